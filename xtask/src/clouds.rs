@@ -1,4 +1,5 @@
-//! Large clouds by tiles and by other programs: builds ours, makes their environment, runs `benches/clouds`.
+//! Benchmark of large clouds by tiles and in other programs: builds ours, makes their environment, runs
+//! `benches/clouds`.
 
 use crate::{StepResult, cargo, python, root, run, target};
 use std::process::Command;

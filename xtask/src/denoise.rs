@@ -1,13 +1,13 @@
-//! Denoisers beside each other: builds ours, makes their environment, runs `benches/denoise`.
+//! Benchmark of denoisers: builds ours, makes the environment of the others, runs `benches/denoise`.
 
 use crate::{StepResult, cargo, data, models_and_part, python, root, run, target};
 use std::process::Command;
 
-/// The part of `bench-peers` that has a document of its own.
+/// Name of the part of `bench-peers` that has its own document.
 pub(crate) const PART: &str = "denoise";
 
-/// Runs all denoisers on pairs of noisy and clean meshes and writes `docs/DENOISING.md`. `arguments`: `--models DIR`,
-/// where pairs `noisy.obj` and `clean.obj` may be found, and `--only denoise`.
+/// Runs all denoisers on pairs of noisy and clean meshes and writes `docs/DENOISING.md`. `arguments`: `--models DIR`, a
+/// folder with pairs `noisy.obj` and `clean.obj`, and `--only denoise`.
 pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
     let (models, _) = models_and_part("bench-peers", arguments, data().join(PART))?;
     let release = ["build", "--release", "--locked", "--quiet"];
@@ -28,8 +28,8 @@ pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
         .arg(root().join("docs")))
 }
 
-/// Denoises random meshes and clouds whose truth is known and prints the tables. `arguments`: the half of the seeds,
-/// and their number.
+/// Denoises random meshes and clouds whose clean positions are known, and prints the tables. `arguments`: the half of
+/// the seeds, and their number.
 pub(crate) fn bench_truth(arguments: &[&str]) -> StepResult {
     let build = ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers"];
     cargo(&[&build[..], &["--bin", "mesh_truth", "--bin", "denoise_truth"]].concat(), &[])?;

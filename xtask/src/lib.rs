@@ -1,9 +1,9 @@
-//! Parts of `cargo xtask` that its tests use too.
+//! Parts of `cargo xtask` that its tests use as well.
 
 pub mod outputs;
 pub mod style;
 
-/// The examples of docs/RUST.md, run as tests.
+/// Examples of `docs/RUST.md`, run as tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/RUST.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! What `cargo xtask …` does: the checks and measurements of the project, each by one command on a bare machine.
+//! Commands of `cargo xtask …`: the checks and measurements of the project, each by one command on a bare machine.
 
 mod clouds;
 mod denoise;
@@ -67,11 +67,11 @@ usage: cargo xtask COMMAND
 Python packages are installed into an environment below target/. If Node or Chromium is missing, it is installed from the
 packages of Debian; nothing else is installed.";
 
-/// Seconds that every test run feeds all readers and parsers with broken input.
+/// Number of seconds for which every test run feeds broken input to all readers and parsers.
 const FUZZED_SECONDS: &str = "60";
 
-/// Builds the libraries and the programs that the tests of the page and of the package run. With the tests of the
-/// workspace, so that the libraries are those of `cargo test`, with the same features.
+/// Arguments that build the libraries and the programs that the tests of the page and of the package run. The tests of
+/// the workspace are built too, so that the libraries have the same features as those of `cargo test`.
 const BUILD_WITH_TESTS: [&str; 10] = [
     "build",
     "--workspace",
@@ -85,7 +85,7 @@ const BUILD_WITH_TESTS: [&str; 10] = [
     "adwave-fuzz",
 ];
 
-/// A step that did not succeed, in one line.
+/// Result of a step; the error is one line of text.
 type StepResult = Result<(), String>;
 
 fn main() -> ExitCode {
@@ -146,7 +146,7 @@ fn same_outputs(arguments: &[&str]) -> StepResult {
     xtask::outputs::compare(arguments, &root(), &target().join("release/adwave"), &data())
 }
 
-/// All cases of the systematic tests of the command; they tell this by the variable.
+/// Runs all cases of the systematic tests of the command line, which the environment variable selects.
 fn command_check() -> StepResult {
     let test = ["test", "--locked", "--quiet", "-p", "adwave-cli", "--test", "promises"];
     cargo(&test, &[("ADWAVE_COMMAND_CHECK", "full")])
@@ -157,7 +157,7 @@ fn studio_test() -> StepResult {
     studio::test()
 }
 
-/// What `--models` and `--only` say; the folder of models is `models` where the first is missing.
+/// Reads the values of `--models` and `--only`; without `--models` the folder of models is `models`.
 fn models_and_part<'a>(
     command: &str,
     arguments: &[&'a str],
@@ -213,7 +213,8 @@ fn test() -> StepResult {
     dependencies()
 }
 
-/// Licenses and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
+/// Checks licenses and sources of dependencies by `deny.toml`, if cargo-deny is installed. Known vulnerabilities are
+/// not checked, because that needs its database.
 fn dependencies() -> StepResult {
     let tool = Command::new("cargo-deny").arg("--version").output();
     if !tool.is_ok_and(|output| output.status.success()) {
@@ -223,8 +224,8 @@ fn dependencies() -> StepResult {
     cargo(&["deny", "--offline", "check", "licenses", "bans", "sources"], &[])
 }
 
-/// Broken input for a minute, or as the arguments say. With the optimization of the tests, so that sums that overflow
-/// are seen.
+/// Feeds broken input to the readers for a minute, or as the arguments say. It is built with the optimization of the
+/// tests, so that overflows of integers are detected.
 fn fuzz(arguments: &[&str]) -> StepResult {
     let run = ["run", "--locked", "--quiet", "-p", "adwave-fuzz", "--"];
     cargo(&[&run[..], arguments].concat(), &[])
@@ -236,7 +237,7 @@ fn oracle() -> StepResult {
     compare_with_scipy(&adwave, "oracle-samples", [5000, 5000, 5000, 5000, 20000], Some(data()))
 }
 
-/// Runs `benches/oracle` on built-in shapes of the given numbers of vertices, and on those of a folder.
+/// Runs `benches/oracle` on built-in shapes with the given numbers of vertices, and on the shapes of a folder.
 fn compare_with_scipy(
     adwave: &Path,
     folder: &str,
@@ -273,22 +274,22 @@ fn oracle_baselines() -> StepResult {
         .arg(data()))
 }
 
-/// The root of the repository.
+/// Root of the repository.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
 }
 
-/// Where cargo builds.
+/// Folder in which cargo builds.
 fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |folder| root().join(folder))
 }
 
-/// The folder of further test inputs, whether it is there or not.
+/// Folder of further test inputs, which need not exist.
 fn data() -> PathBuf {
     std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)
 }
 
-/// True if nothing was built here before. A first build gains nothing from partial results and line numbers.
+/// True if nothing was built here before. A first build does not benefit from incremental compilation and line numbers.
 fn is_bare() -> bool {
     let partial = std::fs::read_dir(target().join("debug/incremental"));
     !partial.is_ok_and(|mut entries| {
@@ -307,7 +308,7 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
     run(command.current_dir(root()).args(arguments).envs(variables.iter().copied()))
 }
 
-/// Standard output of a command of cargo.
+/// Returns the standard output of a command of cargo.
 fn cargo_output(arguments: &[&str]) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo).current_dir(root()).args(arguments).output();
@@ -318,7 +319,7 @@ fn cargo_output(arguments: &[&str]) -> Result<String, String> {
     Err(format!("cargo {} failed: {}", arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim()))
 }
 
-/// Runs a command to its end with our own standard streams.
+/// Runs a command to its end, with the standard streams of this program.
 fn run(command: &mut Command) -> StepResult {
     let program = command.get_program().to_string_lossy().into_owned();
     match command.status() {

@@ -1,10 +1,11 @@
-//! Matching of shapes with a known motion, or with none: runs the example `match_cases` of `adwave-register`.
+//! Matching of shapes with a known motion, or with no common motion: runs the example `match_cases` of
+//! `adwave-register`.
 
 use crate::{StepResult, data, run};
 use std::process::Command;
 
-/// Surfaces that are cut, viewed and compared, below the folder of test data; those that are missing are left out. The
-/// flower pot fits on itself after a rotation.
+/// Surfaces that are cut, viewed and compared, relative to the folder of test data; missing files are left out. The
+/// flower pot coincides with itself after a rotation.
 const FILES: [&str; 13] = [
     "benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply",
     "benchmarks/FandosA-gaze-saliency/gaze_ply/camel.ply",

@@ -1,10 +1,10 @@
-//! How far bands depend on the mesh and not on the surface: builds ours, makes an environment, runs `benches/meshings`.
+//! Dependence of bands on the mesh of a surface: builds ours, makes an environment, runs `benches/meshings`.
 
 use crate::{StepResult, cargo, data, models_and_part, python, root, run, target};
 use std::process::Command;
 
-/// Compares bands, features and maps of several meshings of the same surfaces and writes `docs/MESHINGS.md`.
-/// `arguments`: `--models DIR`, where the models of the paper may be found, and `--only PART` for one part that is
+/// Compares bands, features and maps of several meshings of the same surfaces, and writes `docs/MESHINGS.md`.
+/// `arguments`: `--models DIR`, a folder that may have the models of the paper, and `--only PART` for one part that is
 /// printed and not written.
 pub(crate) fn bench_meshings(arguments: &[&str]) -> StepResult {
     let (models, only) = models_and_part("bench-meshings", arguments, data().join("paper"))?;

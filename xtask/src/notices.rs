@@ -1,21 +1,22 @@
-//! `cargo xtask notices`: copyright notices and licenses of everything that the program and the Python package contain.
+//! `cargo xtask notices`: copyright notices and licenses of all parts of the program and the Python package.
 //!
-//! Read from the sources of the dependencies as cargo keeps them. `cargo about` would do the same but asks a server for
-//! license texts, and cannot name the fonts and the C++ library that lie inside two of the packages.
+//! They are read from the sources of the dependencies as cargo keeps them. `cargo about` would do the same, but it asks
+//! a server for license texts, and cannot name the fonts and the C++ library that lie inside two of the packages.
 
 use crate::{StepResult, cargo_output, root};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The file, relative to the root of the repository; `adwave notices` prints it and the wheel has it as a license file.
+/// Path of the file, relative to the root of the repository. `adwave notices` prints it, and the wheel has it as a
+/// license file.
 pub(crate) const FILE: &str = "crates/adwave-cli/THIRD-PARTY-NOTICES.txt";
 
 /// Beginnings of the names of files with a license or a notice.
 const LICENSE_FILES: [&str; 6] = ["LICENSE", "LICENCE", "COPYING", "COPYRIGHT", "NOTICE", "UNLICENSE"];
 
-/// Packages that the program named `program` contains: those it reaches by normal dependencies. Packages that are used
-/// only for building or testing are left out.
+/// Lists the packages that the program named `program` contains: those that it reaches by normal dependencies. Packages
+/// that are used only for building or testing are left out.
 fn linked_packages(metadata: &Value, program: &str) -> Result<Vec<Value>, String> {
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let packages: BTreeMap<String, Value> =
@@ -38,7 +39,7 @@ fn linked_packages(metadata: &Value, program: &str) -> Result<Vec<Value>, String
     Ok(seen.iter().filter_map(|id| packages.get(id)).filter(|p| !p["source"].is_null()).cloned().collect())
 }
 
-/// Texts of the files with licenses in the folder of a package, and one level below for what it bundles.
+/// Reads the files with licenses in the folder of a package, and one level below for the parts that it bundles.
 fn license_texts(folder: &Path) -> Vec<(String, String)> {
     let mut texts = Vec::new();
     let mut folders = vec![(folder.to_owned(), 0)];
@@ -67,10 +68,10 @@ fn license_texts(folder: &Path) -> Vec<(String, String)> {
     texts
 }
 
-/// The whole file: packages that share a text are listed above it.
+/// Assembles the content of the file; packages that share a text are listed above it.
 ///
 /// # Errors
-/// A line of text, if cargo does not describe the dependencies.
+/// A line of text if cargo does not describe the dependencies.
 pub(crate) fn text() -> Result<String, String> {
     let output = cargo_output(&["metadata", "--format-version", "1", "--locked", "--all-features"])?;
     let metadata: Value = serde_json::from_str(&output).map_err(|e| format!("cargo metadata: {e}"))?;
@@ -123,18 +124,18 @@ pub(crate) fn text() -> Result<String, String> {
     Ok(page)
 }
 
-/// Writes the file again.
+/// Writes the file anew.
 ///
 /// # Errors
-/// A line of text, as of [`text`], or if the file cannot be written.
+/// A line of text, as for [`text`], or if the file cannot be written.
 pub(crate) fn write() -> StepResult {
     std::fs::write(root().join(FILE), text()?).map_err(|e| format!("cannot write {FILE}: {e}"))
 }
 
-/// Names and versions of packages that the committed file does not name, or names without need.
+/// Checks that the committed file is up to date.
 ///
 /// # Errors
-/// A line of text with the command that mends it, if the file is not what the dependencies give.
+/// A line of text with the command that updates the file, if it differs from that of the current dependencies.
 pub(crate) fn check() -> StepResult {
     let committed = std::fs::read_to_string(root().join(FILE)).map_err(|e| format!("{FILE}: {e}"))?;
     if committed == text()? {

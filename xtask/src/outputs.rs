@@ -1,14 +1,14 @@
-//! `cargo xtask same-outputs`: a fixed list of commands run by two versions of the program, their files compared by
-//! bytes.
+//! `cargo xtask same-outputs`: runs a fixed list of commands with two versions of the program and compares their files
+//! byte by byte.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The commands, one a line.
+/// Commands, one per line.
 const COMMANDS: &str = include_str!("commands.txt");
 
-/// Result of one program: the exit code and standard error of each command, and the bytes of each file that it wrote.
+/// Outputs of one program: success and standard error of each command, and the bytes of each file that it wrote.
 struct Outputs {
     exits: Vec<(bool, String)>,
     files: BTreeMap<String, Vec<u8>>,
@@ -17,7 +17,7 @@ struct Outputs {
 /// Runs the commands with the program of `--before` and with that of this tree, and compares every file.
 ///
 /// # Errors
-/// A line of text, if an argument is missing, a program cannot be run, or files differ.
+/// A line of text if an argument is missing, a program cannot be run, or files differ.
 pub fn compare(arguments: &[&str], root: &Path, after: &Path, data: &Path) -> Result<(), String> {
     let ["--before", before] = arguments else {
         return Err("same-outputs needs --before PROGRAM: a build of the version to compare with".to_owned());
@@ -73,7 +73,7 @@ fn run_all(program: &Path, lines: &[&str], folder: &Path, data: &Path) -> Result
     Ok(Outputs { exits, files })
 }
 
-/// Words of a line, separated by blanks outside of single quotes.
+/// Splits a line into words, which are separated by spaces outside single quotes.
 fn split_words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut is_quoted = false;

@@ -1,11 +1,11 @@
-//! The Python package: wheel, tests, documentation, and checks before a release.
+//! Python package: wheel, tests, documentation, and checks before a release.
 
 use crate::{BUILD_WITH_TESTS, StepResult, cargo, python, root, run, target};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Name of the extension for every CPython from 3.10 on.
+/// File name of the extension for every CPython from 3.10 on.
 const EXTENSION: &str = "_native.abi3.so";
 
 fn package() -> PathBuf {
@@ -42,7 +42,7 @@ fn maturin(python: &Path, words: &[&str], out: &Path) -> StepResult {
     run(&mut command)
 }
 
-/// The only file with an extension in a folder.
+/// Returns the only file with an extension in a folder.
 fn only_file(folder: &Path, extension: &str) -> Result<PathBuf, String> {
     let files: Vec<PathBuf> = std::fs::read_dir(folder)
         .map_err(|e| format!("cannot read {}: {e}", folder.display()))?
@@ -70,8 +70,8 @@ pub(crate) fn docs() -> StepResult {
     Ok(())
 }
 
-/// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and that the source
-/// distribution builds.
+/// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and the build from the
+/// source distribution.
 pub(crate) fn check_release() -> StepResult {
     let python = python::environment_from(&package().join("release-requirements.txt"), "release")?;
     let wheel = wheel()?;
@@ -89,7 +89,7 @@ pub(crate) fn check_release() -> StepResult {
     build_from_sdist(&python, &sdist)
 }
 
-/// Builds a wheel from the source distribution alone, without a network, and imports it from a new environment.
+/// Builds a wheel from the source distribution alone, without network access, and imports it from a new environment.
 fn build_from_sdist(python: &Path, sdist: &Path) -> StepResult {
     let out = target().join("sdist-wheel");
     let _ = std::fs::remove_dir_all(&out);
@@ -114,7 +114,7 @@ fn build_from_sdist(python: &Path, sdist: &Path) -> StepResult {
     run(Command::new(&test).current_dir(&place).env("PYTHONPATH", &place).args(["-c", example]))
 }
 
-/// Compares the wheel with other packages on the same tasks: prints the table of `benches/python/compare.py`.
+/// Compares the wheel with other packages on the same tasks, and prints the table of `benches/python/compare.py`.
 pub(crate) fn bench(arguments: &[&str]) -> StepResult {
     let python = python::environment("python")?;
     let place = target().join("bench-python");
@@ -135,7 +135,7 @@ fn install(python: &Path, wheel: &Path, place: &Path) -> StepResult {
         .arg(wheel))
 }
 
-/// The Python of the environment in which the package is tested.
+/// Returns the Python interpreter of the environment in which the package is tested.
 pub(crate) fn test_environment() -> Result<PathBuf, String> {
     python::environment_from(&package().join("test-requirements.txt"), "package")
 }
@@ -192,8 +192,8 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     ]))
 }
 
-/// Copies the examples of `docs/python` to where they may write their pictures; returns the path of the script that
-/// runs them.
+/// Copies the examples of `docs/python` to a folder in which they may write their pictures; returns the path of the
+/// script that runs them.
 fn gallery() -> Result<String, String> {
     let to = target().join("gallery");
     let wrong = |e: std::io::Error| format!("cannot copy the examples to {}: {e}", to.display());

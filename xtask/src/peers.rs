@@ -1,11 +1,11 @@
-//! The comparison with other people's programs: builds ours, makes their environment, runs `benches/peers`.
+//! Comparison with the programs of others: builds ours, makes their environment, runs `benches/peers`.
 
 use crate::{StepResult, cargo, models_and_part, python, root, run};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Times us and the peers in one run and writes `docs/PERFORMANCE.md`. `arguments`: `--models DIR`, where a
-/// `stanford-bunny.obj` may be found, and `--only PART` for one part that is printed and not written.
+/// Times this program and the others in one run, and writes `docs/PERFORMANCE.md`. `arguments`: `--models DIR`, a
+/// folder that may have a `stanford-bunny.obj`, and `--only PART` for one part that is printed and not written.
 pub(crate) fn bench_peers(arguments: &[&str]) -> StepResult {
     let models = std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
     let (models, only) = models_and_part("bench-peers", arguments, models)?;

@@ -1,13 +1,13 @@
-//! `cargo xtask package-check`: the checks of a release that need no account, for the crates and for the Python
+//! `cargo xtask package-check`: those checks of a release that need no account, for the crates and for the Python
 //! package.
 
 use crate::{StepResult, cargo, notices, package};
 use std::process::Command;
 
-/// Runs every check that can run here and prints a reason for each that cannot.
+/// Runs every check that can run here, and prints a reason for each one that cannot.
 ///
 /// # Errors
-/// A line of text from the first check that fails.
+/// A line of text from the first failed check.
 pub(crate) fn check() -> StepResult {
     notices::check()?;
     cargo(&["publish", "--workspace", "--dry-run", "--locked", "--allow-dirty"], &[])?;

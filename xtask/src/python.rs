@@ -12,13 +12,13 @@ pub(crate) fn check() -> StepResult {
     run(Command::new("python3").args(["-c", is_recent])).map_err(|e| format!("{e}; {REQUIREMENT}"))
 }
 
-/// The Python of an environment with the packages of `benches/NAME/requirements.txt`, which is created again if the
-/// list changes.
+/// Returns the Python interpreter of an environment with the packages of `benches/NAME/requirements.txt`. The
+/// environment is created again if the list changes.
 pub(crate) fn environment(name: &str) -> Result<PathBuf, String> {
     environment_from(&root().join(format!("benches/{name}/requirements.txt")), name)
 }
 
-/// The Python of an environment `target/python-NAME` with the packages of a list.
+/// Returns the Python interpreter of an environment `target/python-NAME` with the packages of a list.
 pub(crate) fn environment_from(list: &Path, name: &str) -> Result<PathBuf, String> {
     let packages =
         std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;

@@ -1,5 +1,5 @@
-//! Tests of the studio's page: type check, lints, unit tests, freshness of the committed bundle, and end-to-end tests
-//! in a browser.
+//! Tests of the studio's page: type check, lints, unit tests, comparison of the committed bundle with a fresh build,
+//! and end-to-end tests in a browser.
 
 use crate::{StepResult, root, run, target};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ fn npm(words: &[&str]) -> StepResult {
     run(Command::new("npm").current_dir(web()).args(words).env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1"))
 }
 
-/// Installs what the tests of the page need and do not find: Node, Chromium and the packages of the lock file.
+/// Installs what the tests of the page need if it is missing: Node, Chromium and the packages of the lock file.
 pub(crate) fn install_requirements() -> StepResult {
     require_node()?;
     require_browser()?;

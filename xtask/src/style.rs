@@ -1,26 +1,25 @@
-//! Countable rules of style: how doc comments begin, how functions and types are named, how long things are, which
-//! files import each other in a circle. `cargo xtask style` prints every violation, `xtask/tests/style.rs` keeps the
-//! counts down.
+//! Countable rules of style: first words of doc comments, names of functions and types, lengths, and circular imports
+//! of files. `cargo xtask style` prints every violation; `xtask/tests/style.rs` limits the counts.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// Words that no doc comment begins with: they promise a riddle where a noun phrase or a verb belongs.
+/// Words with which no doc comment begins, because a noun phrase or a verb belongs there.
 const RIDDLES: [&str; 13] = [
     "What", "Who", "Whom", "Whose", "Which", "Whether", "Where", "When", "Why", "How", "Those", "That",
     "The same",
 ];
 
-/// Prepositions, participles and other words that are no name of a function, neither alone nor as its first word.
+/// Prepositions that are not the name of a function, neither alone nor as its first word.
 const NO_FIRST_WORDS: [&str; 24] = [
     "of", "at", "by", "on", "off", "for", "than", "beside", "within", "across", "between", "beyond",
     "around", "along", "beneath", "above", "below", "under", "over", "through", "against", "until", "since",
     "among",
 ];
 
-/// Words that are no name of a function when they stand alone.
+/// Words that are not the name of a function when they stand alone.
 const NO_NAMES: [&str; 51] = [
     "own", "told", "said", "made", "kept", "given", "taken", "wanted", "drawn", "found", "whole", "asked",
     "left", "shown", "known", "gone", "held", "met", "written", "chosen", "seen", "done", "heard", "brought",
@@ -41,7 +40,7 @@ pub const SAME_TYPE_NAMES: usize = 2;
 /// Violations of the rules, one line of text each, by rule.
 #[derive(Debug, Default)]
 pub struct Violations {
-    /// Doc comments that begin with a word of a riddle.
+    /// Doc comments that begin with What, Which, Whether and the like.
     pub doc_riddles: Vec<String>,
     /// Number of all doc comments.
     pub n_doc_comments: usize,
@@ -55,19 +54,19 @@ pub struct Violations {
     pub tuple_parameters: Vec<String>,
     /// Functions with too many arguments.
     pub many_arguments: Vec<String>,
-    /// Functions of too many lines.
+    /// Functions with too many lines.
     pub long_functions: Vec<String>,
     /// Groups of files of one crate that import each other in a circle and lie in more than one folder.
     pub import_cycles: Vec<String>,
 }
 
 impl Violations {
-    /// Share of doc comments that begin with a word of a riddle, 0 to 1.
+    /// Share of doc comments that begin with What, Which, Whether and the like, in [0, 1].
     pub fn riddle_share(&self) -> f64 {
         self.doc_riddles.len() as f64 / self.n_doc_comments.max(1) as f64
     }
 
-    /// Every rule's name with its violations.
+    /// Names of all rules, with their violations.
     pub fn rules(&self) -> [(&'static str, &[String]); 8] {
         [
             ("doc comments that begin with What/Who/Which/…", &self.doc_riddles),
@@ -85,7 +84,7 @@ impl Violations {
 /// Checks all tracked files below `folder`, a folder of the repository `root`.
 ///
 /// # Errors
-/// A line of text, if git does not list the files or a file cannot be read or parsed.
+/// A line of text if git does not list the files, or if a file cannot be read or parsed.
 pub fn check(root: &Path, folder: &str) -> Result<Violations, String> {
     let listing = std::process::Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", folder])
@@ -148,8 +147,8 @@ fn check_markdown(name: &str, text: &str, violations: &mut Violations) {
     }
 }
 
-/// Counts doc comments and those that begin with a word of a riddle: `///`, `//!` and `/** */`, and docstrings of
-/// Python.
+/// Counts doc comments (`///`, `//!`, `/** */` and docstrings of Python), and lists those that begin with one of
+/// [`RIDDLES`].
 fn check_doc_comments(name: &str, text: &str, violations: &mut Violations) {
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
     let is_rust = extension == "rs";
@@ -179,7 +178,7 @@ fn check_doc_comments(name: &str, text: &str, violations: &mut Violations) {
     }
 }
 
-/// Looks at the items of one file, without its tests.
+/// Visitor of the items of one file, without its tests.
 struct Items<'a> {
     name: &'a str,
     violations: &'a mut Violations,
@@ -265,24 +264,24 @@ impl<'ast> Visit<'ast> for Items<'_> {
     }
 }
 
-/// A path of identifiers from the root of a crate.
+/// Path of identifiers from the root of a crate.
 type ModulePath = Vec<String>;
 
-/// Paths that a file names from `crate`, `super` and `self`, and the names that it re-exports from elsewhere.
+/// Paths that a file imports from `crate`, `super` and `self`, and names that it re-exports from other files.
 #[derive(Default)]
 struct Imports {
     used: BTreeSet<ModulePath>,
     reexported: BTreeMap<String, ModulePath>,
 }
 
-/// Collects the imports of the module at `module`.
+/// Collector of the imports of the module at `module`.
 struct ImportVisitor<'a> {
     module: &'a [String],
     imports: Imports,
 }
 
 impl ImportVisitor<'_> {
-    /// The path from the root of the crate, if `path` begins with `crate`, `super` or `self`.
+    /// Returns the path from the root of the crate, if `path` begins with `crate`, `super` or `self`.
     fn resolve(&self, path: &[String]) -> Option<ModulePath> {
         let mut resolved = self.module.to_vec();
         match path.first()?.as_str() {
@@ -359,7 +358,7 @@ impl<'ast> Visit<'ast> for ImportVisitor<'_> {
     }
 }
 
-/// The module that a file of the crate `package` holds.
+/// Returns the path of the module in a file of the crate `package`.
 fn module_of(package: &Path, file: &Path) -> ModulePath {
     let within = file.strip_prefix(package.join("src")).expect("a file of the crate").with_extension("");
     let mut module: ModulePath = within.iter().map(|s| s.to_string_lossy().into_owned()).collect();
@@ -369,7 +368,7 @@ fn module_of(package: &Path, file: &Path) -> ModulePath {
     module
 }
 
-/// Edges file → file by imports, re-exports followed to the file that defines the name.
+/// Lists the imports from file to file; re-exports are followed to the file that defines the name.
 pub fn import_edges(package: &Path, files: &[(PathBuf, syn::File)]) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
     let mut modules: BTreeMap<ModulePath, (PathBuf, Imports)> = BTreeMap::new();
     for (path, parsed) in files {
@@ -401,11 +400,12 @@ pub fn import_edges(package: &Path, files: &[(PathBuf, syn::File)]) -> BTreeMap<
         .collect()
 }
 
-/// Imports of the crate in the folder `package` that point from a layer to one above it, as `file -> file`. A layer is
-/// a list of modules at the root of the crate; `layers` begins at the bottom. Modules of one layer may use each other.
+/// Lists the imports of the crate in the folder `package` that point from a layer to a higher one, as `file -> file`. A
+/// layer is a list of modules at the root of the crate; `layers` begins at the bottom. Modules of one layer may import
+/// each other.
 ///
 /// # Errors
-/// A line of text, if a file cannot be read or parsed or its module stands in no layer.
+/// A line of text if a file cannot be read or parsed, or if its module is in no layer.
 pub fn upward_imports(root: &Path, package: &str, layers: &[&[&str]]) -> Result<Vec<String>, String> {
     let (mut files, mut folders) = (Vec::new(), vec![root.join(package).join("src")]);
     while let Some(folder) = folders.pop() {
@@ -440,7 +440,7 @@ pub fn upward_imports(root: &Path, package: &str, layers: &[&[&str]]) -> Result<
     Ok(upward)
 }
 
-/// Groups of files that import each other in a circle and do not lie in one folder.
+/// Lists the groups of files that import each other in a circle and do not lie in one folder.
 fn import_cycles(package: &Path, files: &[(PathBuf, syn::File)]) -> Vec<String> {
     let edges = import_edges(package, files);
     let reachable = |start: &PathBuf| {

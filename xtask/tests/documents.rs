@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-/// Folders at the root of the repository; text in backticks that begins with one of them and a slash is a path.
+/// Folders at the root of the repository. Text in backticks that begins with one of them is a path.
 const ROOTS: [&str; 6] = ["benches/", "bindings/", "crates/", "docs/", "fuzz/", "xtask/"];
 
-/// A Markdown file.
+/// Markdown file.
 struct Document {
     path: PathBuf,
-    /// Lines with their numbers, counted from 1, without fenced code.
+    /// Lines outside of fenced code, with their numbers, counted from 1.
     lines: Vec<(usize, String)>,
 }
 
@@ -16,10 +16,10 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Folders that hold no document of ours.
+/// Names of folders that have no document of this project.
 const SKIPPED: [&str; 4] = ["target", "node_modules", "dist", "__pycache__"];
 
-/// All Markdown files of the repository, without hidden folders and [`SKIPPED`].
+/// Reads all Markdown files of the repository, without hidden folders and [`SKIPPED`].
 fn documents() -> Vec<Document> {
     let mut found = Vec::new();
     let mut folders = vec![root()];
@@ -53,12 +53,12 @@ fn read_document(path: &Path) -> Document {
     Document { path: path.to_owned(), lines }
 }
 
-/// Texts between single backticks in a line.
+/// Returns the texts between single backticks in a line.
 fn code_spans(line: &str) -> impl Iterator<Item = &str> {
     line.split('`').skip(1).step_by(2)
 }
 
-/// The path that a code span names, if it names one: without a trailing slash, and only if it has no placeholder.
+/// Returns the path in a code span, without a trailing slash; `None` if the span is not a path or has a placeholder.
 fn path_in(span: &str) -> Option<&str> {
     let word = span.trim_end_matches('/');
     let is_path = ROOTS.iter().any(|folder| word.starts_with(folder));

@@ -1,4 +1,4 @@
-//! The paper's equations and the sources are found by one search each: `(eq. N)`, `Algorithm N`, and keys of
+//! Equations of the paper and sources can be found by one search each: `(eq. N)`, `Algorithm N`, and keys of
 //! `docs/references.bib`.
 
 use std::collections::BTreeSet;
@@ -16,7 +16,7 @@ const SOURCES: [&str; 7] = [
     "crates/adwave-subdivision/src",
 ];
 
-/// Every file of the method and of the baselines, as lines.
+/// Reads every file of the method and of the baselines, as lines.
 fn sources() -> Vec<(PathBuf, Vec<String>)> {
     let mut stack: Vec<PathBuf> = SOURCES.iter().map(|source| Path::new(ROOT).join(source)).collect();
     let mut files = Vec::new();
@@ -32,7 +32,7 @@ fn sources() -> Vec<(PathBuf, Vec<String>)> {
     files
 }
 
-/// True if line `at` is code, or belongs to a comment that stands directly above code.
+/// True if line `at` is code, or belongs to a comment directly above code.
 fn is_at_code(lines: &[String], at: usize) -> bool {
     let line = |k: usize| lines.get(k).map_or("", |line| line.trim_start());
     let is_comment = |k: usize| line(k).starts_with("//");
@@ -43,7 +43,7 @@ fn is_at_code(lines: &[String], at: usize) -> bool {
     !line(after).is_empty()
 }
 
-/// First place of a phrase at code.
+/// Lists the places at code where a phrase occurs.
 fn places(phrase: &str) -> Vec<String> {
     let mut found = Vec::new();
     for (path, lines) in sources() {
@@ -82,7 +82,7 @@ fn equations_are_cited_in_the_one_form_that_a_search_finds() {
     }
 }
 
-/// Names in backticks that look like keys: letters, a year, letters.
+/// Returns the names in backticks that look like keys: letters, a year, letters.
 fn keys_in(line: &str) -> impl Iterator<Item = &str> {
     line.split('`').skip(1).step_by(2).filter(|name| {
         let digits = name.trim_start_matches(|c: char| c.is_ascii_lowercase());

@@ -1,5 +1,5 @@
-//! Dependencies run one way: `adwave ← {adwave-io, …} ← adwave-cli`. Those of tests and examples alone may run
-//! otherwise.
+//! Law of the dependencies: they run one way, `adwave ← {adwave-io, …} ← adwave-cli`. Dependencies of tests and
+//! examples may run the other way.
 
 use serde_json::Value;
 use std::process::Command;
@@ -62,8 +62,8 @@ fn the_method_knows_no_files_and_no_terminal() {
     assert!(n_files > 10, "only {n_files} files looked at");
 }
 
-/// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves
-/// here.
+/// Modules of `adwave` from the bottom up; modules of one line may not import each other. A module that moves to
+/// another layer moves here as well.
 const LAYERS: [&[&str]; 18] = [
     &["error", "named", "pages"],
     &["progress", "vector"],
@@ -85,10 +85,10 @@ const LAYERS: [&[&str]; 18] = [
     &["measure"],
 ];
 
-/// Imports from above that are there for a reason: who, what, why.
+/// Permitted imports from a higher layer: importing module, imported module, reason.
 const ALLOWED: [(&str, &str, &str); 0] = [];
 
-/// Module of a type that is named at the root of the crate.
+/// Module of a type that is re-exported at the root of the crate.
 fn home(name: &str) -> &str {
     match name {
         "ClassifiedError" | "ErrorKind" => "error",
@@ -99,8 +99,8 @@ fn home(name: &str) -> &str {
     }
 }
 
-/// Whom the code of a file names by `crate::…`: modules of the crate, in braces or not. Comments and tests do not
-/// count.
+/// Lists the modules of the crate that the code of a file imports by `crate::…`, in braces or not. Comments and tests
+/// do not count.
 fn imports(text: &str) -> Vec<String> {
     let code: Vec<&str> = text
         .lines()
@@ -185,7 +185,7 @@ fn modules_of_the_method_use_only_those_below_them() {
     }
 }
 
-/// Layers of the other crates from the bottom up, by modules at the root of each. Modules of one layer may use each
+/// Layers of the other crates from the bottom up, as modules at the root of each. Modules of one layer may import each
 /// other.
 const ROOMS: [(&str, &[&[&str]]); 4] = [
     (

@@ -1,4 +1,4 @@
-//! The countable rules of style: how doc comments begin, names, lengths, circles of imports.
+//! Limits for the countable rules of style: first words of doc comments, names, lengths, circular imports.
 
 use std::path::Path;
 use xtask::style::check;
@@ -7,7 +7,7 @@ use xtask::style::check;
 const RIDDLE_SHARE: f64 = 0.03;
 /// Largest number of tuple parameters.
 const TUPLE_PARAMETERS: usize = 1;
-/// Largest number of functions with more arguments than six.
+/// Largest number of functions with more than six arguments.
 const MANY_ARGUMENTS: usize = 5;
 /// Largest number of functions over 80 lines.
 const LONG_FUNCTIONS: usize = 8;

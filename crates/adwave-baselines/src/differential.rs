@@ -1,4 +1,4 @@
-//! Differential coordinates: the position of a vertex relative to its neighbors, and the reconstruction of a surface
+//! Differential coordinates, the positions of vertices relative to their neighbors, and the reconstruction of a surface
 //! from them.
 //!
 //! Source: `sorkine2004`, `lipman2004`.
@@ -30,7 +30,7 @@ pub enum Weights {
     Cotangent,
 }
 
-/// Reasons for which differential coordinates or their reconstruction cannot be computed.
+/// Reason for which differential coordinates or their reconstruction cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DifferentialError {
@@ -68,19 +68,19 @@ pub enum DifferentialError {
     },
 }
 
-/// Operator `L = I − P` of a shape, where `P` is a mean over the neighbors; the row of a vertex without neighbors is
-/// empty. Its eigenvalues lie in [0, 2].
+/// Operator `L = I − P` of a shape, where `P` is a mean over the neighbors. The row of a vertex without neighbors is
+/// empty. The eigenvalues lie in [0, 2].
 #[derive(Clone, Debug)]
 pub struct Differential {
     offsets: Vec<usize>,
     columns: Vec<u32>,
-    /// p(x, y), one per stored neighbor.
+    /// Weights p(x, y), one per stored neighbor.
     weights: Vec<f64>,
     vertex_map: VertexMap,
 }
 
 impl Differential {
-    /// Builds L of `shape`. O(n log n).
+    /// Builds the operator L of `shape`. O(n log n).
     ///
     /// # Errors
     /// [`DifferentialError::Linalg`] if weights overflow.
@@ -113,8 +113,8 @@ impl Differential {
         Ok(Self::from_rows(&rows, vertex_map))
     }
 
-    /// Builds L from a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½`
-    /// (eq. 16), so that `W_f(1)` is half the differential coordinate.
+    /// Builds the operator L from a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`,
+    /// `Ψ₁(x,x) = ½` (eq. 16), so that `W_f(1)` is half the differential coordinate.
     pub fn from_diffusion(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);
@@ -139,7 +139,7 @@ impl Differential {
         l
     }
 
-    /// Number of rows: vertices after welding.
+    /// Number of rows, that of the welded vertices.
     pub fn n(&self) -> usize {
         self.offsets.len() - 1
     }
@@ -149,7 +149,7 @@ impl Differential {
         (&self.columns[range.clone()], &self.weights[range])
     }
 
-    /// `L f` in the order of the analysis, n × n_channels.
+    /// Computes `L f` for the welded vertices, row-major, n × n_channels.
     pub(crate) fn apply(&self, f: &[f64], n_channels: usize) -> Vec<f64> {
         let mut out = vec![0.0; f.len()];
         out.par_chunks_exact_mut(n_channels.max(1)).with_min_len(1024).enumerate().for_each(|(x, out)| {
@@ -166,7 +166,7 @@ impl Differential {
         out
     }
 
-    /// `Lᵀ f` in the order of the analysis.
+    /// Computes `Lᵀ f` for the welded vertices, row-major, n × n_channels.
     fn apply_transposed(&self, f: &[f64], n_channels: usize) -> Vec<f64> {
         let mut out = vec![0.0; f.len()];
         for x in 0..self.n() {
@@ -184,7 +184,7 @@ impl Differential {
         out
     }
 
-    /// Converts a signal from the order of the shape to that of the analysis.
+    /// Converts a signal from the vertices of the shape to the welded vertices.
     pub(crate) fn weld_signal(
         &self,
         signal: &[f64],
@@ -197,12 +197,12 @@ impl Differential {
         Ok(self.vertex_map.mean(signal, n_channels))
     }
 
-    /// Converts values from the order of the analysis to that of the shape.
+    /// Converts values from the welded vertices to the vertices of the shape.
     pub(crate) fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
         self.vertex_map.scatter(values, n_channels)
     }
 
-    /// `δ = L f` of a signal, n_vertices × n_channels, in the order of the shape. O(entries).
+    /// Computes `δ = L f` of a signal, n_vertices × n_channels, in the order of the shape. O(entries).
     ///
     /// # Errors
     /// [`DifferentialError::Length`].
@@ -211,7 +211,7 @@ impl Differential {
         Ok(self.vertex_map.scatter(&self.apply(&mean, n_channels), n_channels))
     }
 
-    /// `LᵀL + diag(extra)`.
+    /// Computes the normal matrix `LᵀL + diag(extra)`.
     fn normal_matrix(&self, extra: &[f64]) -> Result<SymmetricMatrix, LinalgError> {
         let mut entries = Vec::new();
         for x in 0..self.n() {
@@ -244,12 +244,12 @@ impl Differential {
     }
 }
 
-/// Soft constraint on the position (or signal value) of one vertex.
+/// Soft constraint on the position, or the signal value, of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
     /// Vertex, in the order of the shape.
     pub vertex: usize,
-    /// `w`, relative to the weight 1 of every differential coordinate; > 0.
+    /// Weight w, above 0, relative to the weight 1 of every differential coordinate.
     pub weight: f64,
 }
 
@@ -265,7 +265,8 @@ impl<'a> Reconstruction<'a> {
     /// Prepares the reconstruction with `anchors`; costs one sparse factorization.
     ///
     /// # Errors
-    /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorization.
+    /// [`DifferentialError`] for an anchor that does not exist, a component without an anchor, or a failed
+    /// factorization.
     pub fn new(differential: &'a Differential, anchors: &[Anchor]) -> Result<Self, DifferentialError> {
         let n_vertices = differential.vertex_map.n_vertices();
         let mut squares = vec![0.0; differential.n()];
@@ -282,9 +283,9 @@ impl<'a> Reconstruction<'a> {
         Ok(Self { differential, anchors: anchors.to_vec(), factor })
     }
 
-    /// Computes the signal whose differential coordinates are nearest to `coordinates` (n_vertices × n_channels) with
-    /// its values at the anchors near `targets` (anchors × n_channels); in the order of the shape. Costs two sweeps
-    /// through the factor.
+    /// Computes the signal whose differential coordinates are nearest to `coordinates` (n_vertices × n_channels), and
+    /// whose values at the anchors are near `targets` (anchors × n_channels). The signal is in the order of the shape.
+    /// Costs two sweeps through the factor.
     ///
     /// # Errors
     /// [`DifferentialError::Length`].

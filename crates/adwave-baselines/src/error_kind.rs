@@ -1,4 +1,4 @@
-//! Error kinds: for each error of this crate, who can fix its cause.
+//! Kinds of this crate's errors, which tell who can remove the cause.
 
 use crate::compare::CompareError;
 use crate::differential::DifferentialError;

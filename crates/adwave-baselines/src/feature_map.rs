@@ -1,4 +1,4 @@
-//! The feature map: critical points of a function smoothed by the heat kernel at several scales.
+//! Feature map: critical points of a function smoothed by the heat kernel at several scales.
 //!
 //! Source: reference 45 of `houqin2013`. `f_t = e^(−tΔ) f`; the number of sign changes of `f_t − f_t(x)` around the
 //! link of x distinguishes maxima, minima and saddles. Strength: the points are topologically meaningful and obey
@@ -12,7 +12,7 @@ use adwave::Progress;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode, one_ring};
 use thiserror::Error;
 
-/// Reasons for which a feature map cannot be computed.
+/// Reason for which a feature map cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum FeatureMapError {
@@ -35,9 +35,9 @@ pub enum FeatureMapError {
     Time {
         /// Index of the time.
         index: usize,
-        /// The time, in squared model units.
+        /// Value of the time, in squared model units.
         time: f64,
-        /// Largest degree.
+        /// Largest degree of the polynomial.
         most: usize,
     },
     /// A linear algebra step failed.
@@ -48,9 +48,9 @@ pub enum FeatureMapError {
 /// Kind of a critical point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CriticalKind {
-    /// All neighbors are lower.
+    /// All neighbors have smaller values.
     Maximum,
-    /// All neighbors are higher.
+    /// All neighbors have larger values.
     Minimum,
     /// The sign changes at least four times around the link.
     Saddle,
@@ -59,11 +59,11 @@ pub enum CriticalKind {
 /// Critical point of a smoothed signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalPoint {
-    /// Vertex in the order of the shape (the first of those at one position).
+    /// Vertex in the order of the shape, the first of those at its position.
     pub vertex: usize,
     /// Kind of the point.
     pub kind: CriticalKind,
-    /// 1 for maxima and minima; a saddle with 2m + 2 sign changes counts m times.
+    /// Multiplicity: 1 for maxima and minima, m for a saddle with 2m + 2 sign changes.
     pub multiplicity: usize,
     /// Smoothed value at the vertex.
     pub value: f64,
@@ -72,19 +72,19 @@ pub struct CriticalPoint {
 /// Critical points at one scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureLevel {
-    /// t, in squared model units.
+    /// Time t, in squared model units.
     pub time: f64,
-    /// The smoothed function, in the order of the shape.
+    /// Smoothed function, in the order of the shape.
     pub smoothed: Vec<f64>,
     /// Critical points in ascending order of the welded vertex.
     pub points: Vec<CriticalPoint>,
-    /// `Σ index(x)`: the Euler characteristic of the mesh.
+    /// Sum `Σ index(x)` of the indices, which is the Euler characteristic of the mesh.
     pub index_sum: i64,
 }
 
-/// Error of `e^(−tΔ)`, relative to the function.
+/// Largest error of `e^(−tΔ)`, relative to the function.
 const ACCURACY: f64 = 1e-10;
-/// Largest degree of the polynomial; the largest t is then about 5·10⁵ / λ_max.
+/// Largest degree of the polynomial, for which the largest t is about 5·10⁵ / λ_max.
 const MAX_DEGREE: usize = 8192;
 
 /// Finds the critical points of `signal` (one value per vertex) after smoothing for each of `times` (squared model
@@ -136,7 +136,7 @@ pub fn feature_map(
     Ok(levels)
 }
 
-/// Heat equation on `M^(−½) S M^(−½)`.
+/// Heat flow of the symmetric matrix `M^(−½) S M^(−½)`.
 struct Heat {
     matrix: SymmetricMatrix,
     root: Vec<f64>,
@@ -153,7 +153,7 @@ impl Heat {
         Self { matrix, root, lambda_max }
     }
 
-    /// `e^(−tΔ) f`; `None` if the polynomial needs too high a degree.
+    /// Computes `e^(−tΔ) f`; `None` if the degree of the polynomial would be too high.
     fn flow(&self, f: &[f64], time: f64, progress: Progress<'_>) -> Result<Option<Vec<f64>>, LinalgError> {
         let stiff = time * self.lambda_max;
         if stiff <= 0.0 {
@@ -180,7 +180,7 @@ impl Heat {
 /// Finds the critical points of a function on triangles, and the sum of their indices.
 ///
 /// The index of x is `1 − (lower neighbors) + (triangles whose highest corner is x)`, the Euler characteristic of its
-/// lower star; inside a surface that is `1 − ½(sign changes around the link)`. The indices sum to the Euler
+/// lower star; inside a surface this equals `1 − ½(sign changes around the link)`. The indices sum to the Euler
 /// characteristic of any triangle complex, including those with a boundary and non-manifold ones.
 pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>, i64) {
     let ring = one_ring(f.len(), triangles);

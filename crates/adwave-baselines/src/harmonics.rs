@@ -15,7 +15,7 @@ use adwave::shape::VertexMap;
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Reasons for which harmonics cannot be computed or applied.
+/// Reason for which harmonics cannot be computed or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum HarmonicsError {
@@ -38,23 +38,23 @@ pub enum HarmonicsError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Remainder {
-    /// Scales it by the gain of the last frequency, as `vallet2008` does.
+    /// Scales the part by the gain of the last frequency, as `vallet2008` does.
     #[default]
     LastGain,
-    /// Keeps it unchanged.
+    /// Keeps the part unchanged.
     Keep,
-    /// Removes it.
+    /// Removes the part.
     Drop,
 }
 
-/// The first eigenfunctions of a shape.
+/// First eigenfunctions of a shape.
 #[derive(Clone, Debug)]
 pub struct Harmonics {
-    /// λ_k in ascending order, in 1 / squared model units; one eigenvalue 0 per component.
+    /// Eigenvalues λ_k in ascending order, in 1 / squared model units; one eigenvalue is 0 for each component.
     pub values: Vec<f64>,
-    /// φ_k, one after the other, in the order of the Laplacian; 0 at vertices without mass.
+    /// Eigenfunctions φ_k, one after another, in the order of the Laplacian's rows; 0 at vertices without mass.
     pub functions: Vec<f64>,
-    /// Diagonal of M.
+    /// Diagonal of the mass matrix M.
     pub mass: Vec<f64>,
     /// Cost and accuracy of the eigenpairs.
     pub info: EigenInfo,
@@ -64,7 +64,7 @@ pub struct Harmonics {
 impl Harmonics {
     /// Computes the first `k` harmonics, or all of them if there are fewer. Cost: see [`smallest_eigenpairs`].
     ///
-    /// Vertices without mass do not belong to the surface: harmonics are 0 there and filters leave their values
+    /// Vertices without mass do not belong to the surface: harmonics are 0 there, and filters leave their values
     /// unchanged.
     ///
     /// # Errors
@@ -120,17 +120,18 @@ impl Harmonics {
         self.values.is_empty()
     }
 
-    /// φ_k in the order of the Laplacian.
+    /// Returns the eigenfunction φ_k in the order of the Laplacian's rows.
     pub fn function(&self, k: usize) -> &[f64] {
         &self.functions[k * self.mass.len()..][..self.mass.len()]
     }
 
-    /// Maps values at the Laplacian's vertices to the shape's vertices.
+    /// Maps values in the order of the Laplacian's rows to the vertices of the shape.
     pub fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
         self.vertex_map.scatter(values, n_channels)
     }
 
-    /// `f̂ = Φᵀ M f`, harmonics × channels, of a signal in the order of the shape, n_vertices × n_channels. O(n·k).
+    /// Computes the coefficients `f̂ = Φᵀ M f`, harmonics × channels, of a signal in the order of the shape, n_vertices
+    /// × n_channels. O(n·k).
     ///
     /// # Errors
     /// [`HarmonicsError::Length`].
@@ -153,7 +154,7 @@ impl Harmonics {
         rows.collect::<Vec<_>>().concat()
     }
 
-    /// `Σ_k f̂_k φ_k` in the order of the shape. O(n·k).
+    /// Computes `Σ_k f̂_k φ_k` in the order of the shape, n_vertices × n_channels. O(n·k).
     ///
     /// # Errors
     /// [`HarmonicsError::Length`].
@@ -179,8 +180,8 @@ impl Harmonics {
         out
     }
 
-    /// Scales the frequency `ω_k = √λ_k` (in 1 / model units) of the signal by `gain(ω_k)`; the result is in the
-    /// order of the shape. O(n·k).
+    /// Scales each frequency `ω_k = √λ_k` (in 1 / model units) of the signal by `gain(ω_k)`; the result is in the order
+    /// of the shape. O(n·k).
     ///
     /// # Errors
     /// [`HarmonicsError::Length`].

@@ -1,4 +1,4 @@
-//! Mesh saliency: the difference of mean curvature between a scale and twice that scale.
+//! Mesh saliency: the difference between the mean curvature at one scale and at twice that scale.
 //!
 //! Source: `lee2005`. Strength: five fixed scales relative to the size of the model, without parameters. Weaknesses:
 //! balls in space mix sheets that do not touch, the cost grows with the vertex density, and the signal is always the
@@ -11,47 +11,47 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Reasons for which the saliency cannot be computed.
+/// Reason for which the saliency cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LeeError {
     /// The shape has no faces and therefore no curvature.
     #[error("mesh saliency needs a mesh; this shape is a cloud or a graph")]
     NotAMesh,
-    /// Stopped on request.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// σ in multiples of ε.
+/// Widths σ of the five scales, in multiples of ε.
 const SCALES: [f64; 5] = [2.0, 3.0, 4.0, 5.0, 6.0];
-/// ε as a fraction of the bounding box's diagonal.
+/// Length ε, as a fraction of the bounding box's diagonal.
 const EPSILON: f64 = 0.003;
-/// Radius of the Gaussian's support in σ.
+/// Radius of the Gaussian's support, in σ.
 const CUT: f64 = 2.0;
-/// All widths that occur as σ or 2σ, in multiples of ε.
+/// Widths that occur as σ or 2σ, in multiples of ε.
 const WIDTHS: [f64; 8] = [2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0];
-/// Vertices processed between two checks of the progress handle.
+/// Number of vertices processed between two checks of the progress handle.
 const AT_A_TIME: usize = 8192;
 
 /// Saliency of the vertices and its intermediate results, in the order of the shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeeSaliency {
-    /// `Σ_i N(𝒮_i)`, ≥ 0.
+    /// Saliency `Σ_i N(𝒮_i)`, at least 0.
     pub saliency: Vec<f64>,
-    /// Mean curvature, positive where the surface bulges along its normals, in 1 / model units.
+    /// Mean curvature in 1 / model units, positive where the surface bulges along its normals.
     pub curvature: Vec<f64>,
-    /// `𝒮_i = |G(H, σ_i) − G(H, 2σ_i)|` for each scale, before normalization.
+    /// Maps `𝒮_i = |G(H, σ_i) − G(H, 2σ_i)|` of the scales, before normalization.
     pub scales: Vec<Vec<f64>>,
-    /// σ_i in model units.
+    /// Widths σ_i of the scales, in model units.
     pub sigma: [f64; 5],
 }
 
 /// Computes the saliency of a mesh. O(n log n + pairs of vertices closer than 7.2 % of the diagonal).
 ///
-/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`; the normalization scales each map
-/// to [0, 1] and multiplies it by `(1 − m̄)²`, m̄ the mean of its local maxima other than the largest. Mean curvature
-/// is the trace of Taubin's tensor, the area-weighted mean of `2 n·(v − x)/|v − x|²` over the one-ring.
+/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`. The normalization scales each map to
+/// [0, 1] and multiplies it by `(1 − m̄)²`, where m̄ is the mean of its local maxima other than the largest. Mean
+/// curvature is the trace of Taubin's tensor, the area-weighted mean of `2 n·(v − x)/|v − x|²` over the one-ring.
 ///
 /// # Errors
 /// [`LeeError`].
@@ -87,9 +87,9 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
     })
 }
 
-/// Mean curvature by Taubin's tensor (`taubin1995tensor`), whose trace is the mean of the directional curvatures.
-/// With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted normals would leave an error of
-/// first order in the edge length.
+/// Computes the mean curvature by Taubin's tensor (`taubin1995tensor`), whose trace is the mean of the directional
+/// curvatures. With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted normals would leave an
+/// error of first order in the edge length.
 fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     let normals = sphere_normals(points, triangles);
     let mut sum = vec![(0.0, 0.0); points.len()];
@@ -112,8 +112,8 @@ fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     sum.into_iter().map(|(h, w)| if w > 0.0 { h / w } else { 0.0 }).collect()
 }
 
-/// Unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, where a and b are their edges there; exact if
-/// all of them lie on a sphere (`max1999`).
+/// Computes unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, where a and b are their edges at this
+/// vertex. They are exact if all these edges end on a sphere through the vertex (`max1999`).
 fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let mut sum = vec![[0.0; 3]; points.len()];
     for t in triangles {
@@ -137,7 +137,7 @@ fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> 
         .collect()
 }
 
-/// `G(H, σ)` for all widths at every vertex.
+/// Computes `G(H, σ)` for all widths at every vertex.
 fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<Vec<[f64; 8]>, Cancelled> {
     let reach = CUT * WIDTHS[WIDTHS.len() - 1];
     let tree: ImmutableKdTree<f64, 3> =
@@ -176,7 +176,7 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
     Ok(all)
 }
 
-/// Scales the map to [0, 1] and promotes maps with a few strong peaks (`itti1998`).
+/// Scales a map to [0, 1] and promotes maps with a few strong peaks (`itti1998`).
 fn normalize_map(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
     let top = map.iter().copied().fold(0.0, f64::max);
     if top <= 0.0 {

@@ -1,4 +1,4 @@
-//! Reference methods that adwave is compared with, each built as well as its own literature asks.
+//! Reference methods with which adwave is compared, each implemented as its literature recommends.
 
 pub mod compare;
 pub mod differential;

@@ -1,4 +1,4 @@
-//! Numerical comparison of the three kinds of wavelets, as in Fig. 2 and Table 1 of the paper.
+//! Numerical comparison of three kinds of wavelets, as in Fig. 2 and Table 1 of the paper.
 
 use crate::multiscale::{
     BiorthogonalDiffusionWavelets, DiffusionWavelets, Downsampled, Locality, MultiscaleError,
@@ -9,14 +9,14 @@ use adwave::Progress;
 use adwave::shape::Shape;
 use std::time::Instant;
 
-/// One kind of wavelets on one level.
+/// Measures of one kind of wavelets on one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineCase {
-    /// `"DW"`, `"BDW"` or `"ADW"`.
+    /// Name of the kind: `"DW"`, `"BDW"` or `"ADW"`.
     pub name: &'static str,
-    /// Level.
+    /// Level, from 1.
     pub level: usize,
-    /// Steps of the walk up to the level: 2^level − 1 for each kind.
+    /// Number of steps of the walk up to the level, 2^level − 1 for each kind.
     pub steps: usize,
     /// Number of scaling functions.
     pub count: usize,
@@ -26,13 +26,13 @@ pub struct LineCase {
     pub wavelet: MeanLocality,
     /// Means over all duals; `None` if the kind has no duals.
     pub dual: Option<MeanLocality>,
-    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, with φ̃ = φ if there is no dual, each φ of unit length.
+    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, each φ of unit length; φ̃ = φ if the kind has no duals.
     pub defect: f64,
-    /// Downsampled scaling functions and wavelets of ADW: as many as their rank.
+    /// Selections of ADW's scaling functions and wavelets, as many as their rank; `None` for the other kinds.
     pub downsampled: Option<[Downsampled; 2]>,
     /// Largest error of a signal that is decomposed on all levels up to this one and reconstructed.
     pub error: f64,
-    /// Seconds taken by the reconstruction after all preparations.
+    /// Seconds spent on the reconstruction, after all preparations.
     pub seconds: f64,
     /// Scaling function that peaks nearest to the middle vertex.
     pub middle_scaling: Vec<f64>,
@@ -45,16 +45,16 @@ pub struct LineCase {
 pub struct MeanLocality {
     /// Mean of the support.
     pub support: f64,
-    /// Mean of the smallest number of vertices that hold 99 %.
+    /// Mean of the smallest number of vertices that hold 99 % of a function.
     pub core: f64,
-    /// Largest of the means.
+    /// Largest of the values [`Locality::mean`].
     pub mean: f64,
 }
 
 /// Measures DW, BDW and ADW of `shape`'s walk on each of `levels`, all after the same number of steps. Level j of DW
-/// and BDW is T^(2^j − 1), one power T^(2^i) for each level before, so ADW uses the steps n_j = 2^j − 1 instead of
-/// 2^(j − 1). The functions of ADW are the rows of Φ_j (eq. 6) and Ψ_j (eq. 8) at every vertex; the other kinds have
-/// as many functions as the rank.
+/// and BDW is T^(2^j − 1), one power T^(2^i) for each earlier level, so ADW uses the steps n_j = 2^j − 1 instead of
+/// 2^(j − 1). The functions of ADW are the rows of Φ_j (eq. 6) and Ψ_j (eq. 8) at every vertex; the other kinds have as
+/// many functions as the rank.
 ///
 /// # Errors
 /// [`MultiscaleError`] if the walk is too large or not reversible.
@@ -159,7 +159,7 @@ impl LineTest<'_> {
         })
     }
 
-    /// Functions in the shape's order, so that the middle index is the middle vertex.
+    /// Converts functions to the order of the shape, so that the middle index is the middle vertex.
     fn scatter(&self, functions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let vertex_map = self.decomposer.vertex_map();
         functions.iter().map(|f| vertex_map.scatter(f, 1)).collect()
@@ -247,7 +247,7 @@ fn subtract(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Largest inner product of two functions of unit length.
+/// Largest magnitude of the inner product of two functions, scaled to unit length.
 fn gram_defect(functions: &[Vec<f64>]) -> f64 {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let lengths: Vec<f64> = functions.iter().map(|f| dot(f, f).sqrt()).collect();

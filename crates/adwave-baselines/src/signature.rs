@@ -6,7 +6,7 @@
 use crate::harmonics::Harmonics;
 use rayon::prelude::*;
 
-/// Four times the logarithm of 10: at the shortest time the last harmonic has the weight 1e-4.
+/// Number 4 ln 10: at the shortest time the last harmonic has the weight 1e-4.
 const FOUR_LN_10: f64 = 4.0 * std::f64::consts::LN_10;
 
 /// Signatures of all vertices.
@@ -14,7 +14,7 @@ const FOUR_LN_10: f64 = 4.0 * std::f64::consts::LN_10;
 pub struct Signature {
     /// Times t (squared model units) of the heat kernel, or energies ln λ of the wave kernel.
     pub scales: Vec<f64>,
-    /// n_vertices × scales, row-major, in the order of the shape.
+    /// Values of the signature, n_vertices × scales, row-major, in the order of the shape.
     pub values: Vec<f64>,
 }
 
@@ -25,20 +25,21 @@ fn range(harmonics: &Harmonics) -> Option<(f64, f64)> {
     (first < last).then_some((first, last))
 }
 
-/// Times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, equally spaced in the logarithm, as in `sun2009`; empty if there
-/// are fewer than two nonzero eigenvalues.
+/// Computes times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, in squared model units, equally spaced in the logarithm,
+/// as in `sun2009`. Empty if there are fewer than two nonzero eigenvalues.
 pub fn heat_times(harmonics: &Harmonics, n_times: usize) -> Vec<f64> {
     let Some((first, last)) = range(harmonics) else { return Vec::new() };
     let (from, to) = ((FOUR_LN_10 / last).ln(), (FOUR_LN_10 / first).ln());
     (0..n_times).map(|i| (from + (to - from) * i as f64 / (n_times.max(2) - 1) as f64).exp()).collect()
 }
 
-/// `HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²`, in 1 / squared model units: the fraction of heat that stays at x.
+/// Computes `HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²`, in 1 / squared model units: the fraction of heat that stays at x.
 /// O(n·k·times).
 ///
 /// ```
 /// use adwave::{Progress, shape::{Graph, Shape}};
-/// use adwave_baselines::{harmonics::Harmonics, laplacian::{LaplacianMatrices, LaplacianParams}, signature::heat_kernel_signature};
+/// use adwave_baselines::{harmonics::Harmonics, signature::heat_kernel_signature};
+/// use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 /// let edge = Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?);
 /// let laplacian = LaplacianMatrices::new(&edge, &LaplacianParams::default())?;
 /// let harmonics = Harmonics::new(&laplacian, 2, &Default::default(), Progress::none())?;
@@ -50,8 +51,8 @@ pub fn heat_kernel_signature(harmonics: &Harmonics, times: &[f64]) -> Signature 
     weighted_squares(harmonics, times, |lambda, t| (-lambda * t).exp(), |_| 1.0)
 }
 
-/// `WKS(x, e) = Σ_k φ_k(x)² exp(−(e − ln λ_k)²/2σ²) / Σ_k exp(−(e − ln λ_k)²/2σ²)` at `n_energies` energies from `ln
-/// λ_1 + 2σ` to `ln λ_last − 2σ`, both included, where `σ` is seven times their spacing. O(n·k·energies).
+/// Computes `WKS(x, e) = Σ_k φ_k(x)² exp(−(e − ln λ_k)²/2σ²) / Σ_k exp(−(e − ln λ_k)²/2σ²)` at `n_energies` energies
+/// from `ln λ_1 + 2σ` to `ln λ_last − 2σ`, both included, where `σ` is seven times their spacing. O(n·k·energies).
 pub fn wave_kernel_signature(harmonics: &Harmonics, n_energies: usize) -> Signature {
     const SIGMA: f64 = 7.0;
     let Some((first, last)) = range(harmonics) else {

@@ -1,14 +1,14 @@
 //! Taubin's low-pass filters: λ|μ and the windowed sinc, the most widely used smoothing methods.
 //!
-//! Source: `taubin1995signal`, `taubin1996`. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at
-//! the frequency 0. Strength: they need no preparation and only a handful of products. Weaknesses: there is one
-//! cutoff and no bands, and the frequency depends on the meshing, not on the shape.
+//! Source: `taubin1995signal`, `taubin1996`. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at the
+//! frequency 0. Strength: they need no preparation and only a handful of products. Weaknesses: there is one cutoff and
+//! no bands, and the frequency depends on the meshing, not on the shape.
 
 use crate::differential::{Differential, DifferentialError};
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// Reasons for which a filter cannot be built or applied.
+/// Reason for which a filter cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum TaubinError {
@@ -23,12 +23,12 @@ pub enum TaubinError {
         /// Largest number of iterations.
         most: usize,
     },
-    /// λ or μ out of range.
+    /// The factor λ or μ is out of range.
     #[error("λ and μ must satisfy 0 < λ < 1 and μ < −λ, got λ = {lambda} and μ = {mu}")]
     Factors {
-        /// λ.
+        /// Shrinking factor λ.
         lambda: f64,
-        /// μ.
+        /// Inflating factor μ.
         mu: f64,
     },
     /// The signal has the wrong length.
@@ -38,7 +38,7 @@ pub enum TaubinError {
 
 /// Gain at the edge of the pass band, within the 1 ± 0.001 at which VTK's search for the shift ends.
 const PASSED: f64 = 0.9995;
-/// Cap on the number of products.
+/// Largest number of products.
 const MAX_ITERATIONS: usize = 100_000;
 
 fn check_iterations(got: usize) -> Result<(), TaubinError> {
@@ -51,9 +51,9 @@ fn check_iterations(got: usize) -> Result<(), TaubinError> {
 /// Factors of the two alternating steps of [`lambda_mu`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LambdaMu {
-    /// Shrinking factor, in (0, 1).
+    /// Shrinking factor λ, in (0, 1).
     pub lambda: f64,
-    /// Inflating factor, below −λ.
+    /// Inflating factor μ, below −λ.
     pub mu: f64,
 }
 
@@ -85,9 +85,9 @@ pub fn lambda_mu(
     Ok(k.scatter(&f, n_channels))
 }
 
-/// Low-pass filter of `taubin1996`: the ideal filter truncated after `degree` Chebyshev terms and multiplied by
-/// Hamming's window, its edge shifted until the gain at a given frequency has a given value. The windows of Blackman,
-/// Hann and Nuttall, which some programs use, give wider transitions at the same degree.
+/// Low-pass filter of `taubin1996`. The ideal filter is truncated after `degree` Chebyshev terms and multiplied by
+/// Hamming's window; its edge is shifted until the gain at a given frequency has a given value. The windows of
+/// Blackman, Hann and Nuttall, which some programs use, give wider transitions at the same degree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowedSinc {
     /// Coefficients of `T_k(1 − K/2)`.
@@ -119,8 +119,8 @@ impl WindowedSinc {
         Ok(make(shift))
     }
 
-    /// Builds the filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`; it serves
-    /// comparisons with other filters. If the degree is too low for the band, the gain at `frequency` stays above ½.
+    /// Builds the filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`, for comparisons with
+    /// other filters. If the degree is too low for the band, the gain at `frequency` remains above ½.
     ///
     /// # Errors
     /// [`TaubinError`].
@@ -140,7 +140,7 @@ impl WindowedSinc {
         Ok(make(theta.max(1e-9)))
     }
 
-    /// Ideal low pass of the frequencies `2 − 2 cos θ`, truncated and windowed.
+    /// Builds the ideal low pass of the frequencies up to `2 − 2 cos θ`, truncated and windowed.
     fn with_edge(theta: f64, degree: usize) -> Self {
         let theta = theta.min(PI);
         let coefficients = (0..=degree)
@@ -153,14 +153,14 @@ impl WindowedSinc {
         Self { coefficients }
     }
 
-    /// Sets the gain at 0 to 1; otherwise a shape far from the origin would move.
+    /// Sets the gain at 0 to 1; without this a shape far from the origin would move.
     fn normalize_gain_at_zero(mut self) -> Self {
         let at_zero: f64 = self.coefficients.iter().sum();
         self.coefficients.iter_mut().for_each(|c| *c /= at_zero);
         self
     }
 
-    /// The gain at `frequency`, an eigenvalue of K.
+    /// Gain at `frequency`, an eigenvalue of K.
     pub fn gain(&self, frequency: f64) -> f64 {
         let x = 1.0 - frequency / 2.0;
         let (mut before, mut now, mut sum) = (1.0, x, 0.0);
@@ -205,8 +205,8 @@ impl WindowedSinc {
     }
 }
 
-/// Smallest value up to `most` at which a condition holds, to rounding; `most` if it holds nowhere. The condition is
-/// evaluated at steps that are short enough not to miss a ripple of the filter.
+/// Finds the smallest value up to `most` at which a condition holds, up to rounding; `most` if it holds nowhere. The
+/// condition is evaluated at steps that are short enough not to miss a ripple of the filter.
 fn find_threshold(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
     const STEPS: u32 = 64;
     let place = |k: u32| most * f64::from(k) / f64::from(STEPS);
@@ -219,9 +219,9 @@ fn find_threshold(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
     high
 }
 
-/// Returns the factors and the smallest number of iterations for which [`lambda_mu`] has the gain ½ at `frequency` exactly;
-/// it serves comparisons. λ is 0.5, and frequencies below about a quarter of `frequency` are kept; `1/λ + 1/μ` is the
-/// frequency at which the gain is 1 again. O(1).
+/// Returns the factors and the smallest number of iterations for which [`lambda_mu`] has the gain ½ at `frequency`
+/// exactly, for comparisons with other filters. λ is 0.5, and frequencies below about a quarter of `frequency` are
+/// kept; `1/λ + 1/μ` is the frequency at which the gain is 1 again. O(1).
 ///
 /// ```
 /// let (factors, iterations) = adwave_baselines::taubin::lambda_mu_with_half_gain(0.1);

@@ -15,11 +15,12 @@ pub struct AlignParams {
     /// Largest number of rounds.
     pub max_rounds: usize,
     /// True to fit a similarity, with a change of size, instead of a rigid motion. The scale stays within a factor of
-    /// [`MAX_GROWTH`] of its start.
+    /// [`MAX_GROWTH`] of the scale of the start.
     pub scaled: bool,
-    /// Distance in model units up to which points take part in the first round. It shrinks from round to round until the median
-    /// distance decides; with 0 that decides from the start. It should be as far as points lie apart at the start, so that
-    /// few parts that differ, such as the bumps of a ball, turn the shape.
+    /// Distance from the surface, in model units, up to which points take part in the first round. It shrinks from
+    /// round to round until the median distance decides; with 0 the median distance decides from the first round. It
+    /// should be the distance between the shapes at the start, so that small parts that differ, such as the bumps of a
+    /// ball, do not turn the shape.
     pub reach: f64,
 }
 
@@ -44,15 +45,15 @@ pub struct AlignInfo {
     pub rounds: usize,
     /// Median distance of the points whose closest point is not on a border, in model units; NaN if there is none.
     pub median: f64,
-    /// Share of these points, in [0, 1].
+    /// Share of the sampled points whose closest point is not on a border, in [0, 1].
     pub overlap: f64,
 }
 
-/// Tukey's constant, for 95 % of the efficiency of least squares on normal errors.
+/// Tukey's constant, for which the fit has 95 % of the efficiency of least squares on normal errors.
 const TUKEY: f64 = 4.685;
 /// Ratio of standard deviation to median absolute deviation of normal errors.
 const MAD: f64 = 1.4826;
-/// Residuals caused by rounding, relative to the size of the shape.
+/// Residual caused by rounding, relative to the size of the shape.
 const ROUNDING: f64 = 1e-9;
 /// Largest change of the scale of a similarity, as a factor.
 pub const MAX_GROWTH: f64 = 1.5;
@@ -60,15 +61,15 @@ pub const MAX_GROWTH: f64 = 1.5;
 const SHRINKING: f64 = 0.7;
 /// Factor by which the reach shrinks after a round that moved little.
 const FAST_SHRINKING: f64 = 0.2;
-/// Movement of a round relative to the residual below which the iteration ends.
+/// Movement of a round, relative to the residual, below which the iteration ends.
 const MIN_PROGRESS: f64 = 0.01;
 
-/// Finds the rigid motion of `points` (with [`AlignParams::scaled`] the similarity) that brings them closest to `surface`.
+/// Finds the rigid motion of `points` that brings them closest to `surface`; with [`AlignParams::scaled`] a similarity.
 ///
 /// The iteration begins at `start`. Each round finds the closest points c with normals n, then the small motion that
 /// minimizes `Σ w·(n·(p − c))²`. The weights w are Tukey's, so that differences between the shapes do not tilt the fit.
-/// Points whose closest point lies on a border are ignored. Components of the motion that the points do not determine, such
-/// as the rotation of a sphere, stay unchanged. O(rounds × points × log n).
+/// Points whose closest point lies on a border are ignored. Components of the motion that the points do not determine,
+/// such as the rotation of a sphere, stay unchanged. O(rounds × points × log n).
 ///
 /// Source: `chen1992`.
 ///
@@ -83,8 +84,8 @@ pub fn align(
 ) -> Result<(Motion, AlignInfo), Cancelled> {
     let step = points.len().div_ceil(params.max_points.max(1)).max(1);
     let used: Vec<[f64; 3]> = points.iter().step_by(step).copied().collect();
-    // The unit of rotation and growth is the size of the moved shape: with that of a shape a thousand times as large or as small
-    // these, or the translation, would seem undetermined.
+    // The unit of rotation and growth is the size of the moved shape: with the size of a shape a thousand times as
+    // large or as small, either these components or the translation would seem undetermined.
     let size = start.scale() * half_extent(&used);
     let mut motion = start;
     let (mut rounds, mut reach) = (0, params.reach);
@@ -114,12 +115,12 @@ pub fn align(
     Ok((motion, AlignInfo { rounds, median: median(&mut distances), overlap }))
 }
 
-/// Half the diagonal of the bounding box.
+/// Half the diagonal of the bounding box of some points.
 fn half_extent(points: &[[f64; 3]]) -> f64 {
     adwave::shape::diagonal(points) / 2.0
 }
 
-/// Pairs points with their closest points, without those on a border.
+/// Pairs points with their closest points, and leaves out those whose closest point is on a border or has no normal.
 fn interior_pairs<'a>(
     moved: &'a [[f64; 3]],
     surface: &'a ClosestPointSearch,
@@ -137,7 +138,7 @@ struct Round {
     residual: f64,
 }
 
-/// Performs one round; `None` if too few points have a closest point.
+/// Performs one round; `None` if fewer than six points have a closest point, or if the shape has no extent.
 fn align_round(
     moved: &[[f64; 3]],
     surface: &ClosestPointSearch,

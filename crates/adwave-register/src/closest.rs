@@ -1,4 +1,4 @@
-//! ClosestPoint points of a surface.
+//! Closest points of a surface.
 
 use adwave::shape::{PreparedGeometry, nearest_neighbors};
 use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
@@ -9,7 +9,7 @@ use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use std::collections::HashSet;
 
-/// Radius in local spacings within which the tangent plane at a point of a cloud represents the surface.
+/// Radius, in local spacings, within which the tangent plane at a point of a cloud represents the surface.
 const TANGENT_RADIUS: f64 = 1.5;
 
 /// Search structure for the closest points of a mesh or cloud, over the welded vertices of a prepared geometry.
@@ -55,8 +55,8 @@ impl ClosestPoint {
 }
 
 impl ClosestPointSearch {
-    /// Builds the search structure in O(n log n); `None` for a graph or a shape without points. A mesh without triangles is
-    /// treated as a cloud.
+    /// Builds the search structure in O(n log n); `None` for a graph or a shape without points. A mesh without
+    /// triangles is treated as a cloud.
     pub fn new(geometry: &PreparedGeometry) -> Option<Self> {
         let diagonal = geometry.shape().diagonal();
         let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
@@ -89,8 +89,8 @@ impl ClosestPointSearch {
         matches!(self.index, SurfaceIndex::Mesh { .. })
     }
 
-    /// Finds the closest point, typically in O(log n). On a mesh it is exact. On a cloud it is the projection to the tangent
-    /// plane of the nearest point, if that is near enough; otherwise it is the nearest point, marked as border.
+    /// Finds the closest point, typically in O(log n). On a mesh it is exact. On a cloud it is the projection to the
+    /// tangent plane of the nearest point, if that is near enough; otherwise it is the nearest point, marked as border.
     pub fn closest(&self, point: &[f64; 3]) -> ClosestPoint {
         let p = point.map(|c| c / self.unit);
         let closest = match &self.index {
@@ -154,7 +154,7 @@ pub(crate) fn border_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
     vertices
 }
 
-/// Edges with a single triangle, and their vertices.
+/// Set of the edges with a single triangle, and set of their vertices.
 struct BorderEdges {
     edges: HashSet<(u32, u32)>,
     vertices: HashSet<u32>,

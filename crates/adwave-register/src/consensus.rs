@@ -26,23 +26,23 @@ impl Key {
         Some(Self { position: feature.position?, normal, sigma: feature.sigma, sign: feature.sign() })
     }
 
-    /// Feature of the mirror image at x = 0.
+    /// Returns the feature mirrored at x = 0.
     pub(crate) fn mirrored(&self) -> Self {
         let mirror = crate::registrand::mirror;
         Self { position: mirror(&self.position), normal: mirror(&self.normal), ..*self }
     }
 
-    /// Feature of the surface with its other side outside.
+    /// Returns the feature of the same surface with its other side outside.
     pub(crate) fn flipped(&self) -> Self {
         Self { normal: self.normal.map(|c| -c), sign: -self.sign, ..*self }
     }
 
-    /// Tells if another feature, `scale` times as large, has the same sign and a similar size ([`MAX_OCTAVES`]).
+    /// True if another feature, on a shape `scale` times as large, has the same sign and a similar σ ([`MAX_OCTAVES`]).
     pub(crate) fn is_alike(&self, other: &Self, scale: f64) -> bool {
         self.sign == other.sign && (other.sigma / (scale * self.sigma)).log2().abs() <= MAX_OCTAVES
     }
 
-    /// Tells if another feature is similar and has a similar normal after the motion.
+    /// True if another feature is similar and has a similar normal after the motion; an unknown normal does not count.
     pub(crate) fn is_alike_after(&self, other: &Self, motion: &Motion) -> bool {
         let no_normal = self.normal == [0.0; 3] || other.normal == [0.0; 3];
         self.is_alike(other, motion.scale())
@@ -50,21 +50,21 @@ impl Key {
     }
 }
 
-/// Largest difference of σ of the same feature on two meshes, in octaves.
+/// Largest difference between the σ of one feature on two meshes, in octaves.
 const MAX_OCTAVES: f64 = 0.75;
-/// Most candidate pairs: those of the most similar descriptors.
+/// Largest number of candidate pairs; those with the most similar descriptors are kept.
 const MAX_CANDIDATES: usize = 1536;
-/// Distance of two features in their summed σ below which they determine no direction.
+/// Distance between two features, relative to the sum of their σ, below which they determine no direction.
 const LEAST_SPREAD: f64 = 1.0;
 /// Largest difference between the cosines of the angles that two features form on the two shapes.
 const COSINE_SLACK: f64 = 0.35;
-/// Most couples of a candidate pair from which motions are fitted.
+/// Largest number of couples of one candidate pair from which motions are fitted.
 const MAX_COUPLES_OF_PAIR: usize = 4;
-/// Most couples from which motions are fitted.
+/// Largest number of couples from which motions are fitted.
 const MAX_COUPLES: usize = 700;
 /// Weight of normals in the fit of a motion to few pairs, relative to positions.
 const NORMAL_WEIGHT: f64 = 0.1;
-/// Most rounds of a fit to the pairs that agree with it.
+/// Largest number of rounds in which a motion is fitted again to the pairs that agree with it.
 const REFINING_ROUNDS: usize = 3;
 
 /// Options of the search for motions.
@@ -72,7 +72,7 @@ const REFINING_ROUNDS: usize = 3;
 pub(crate) struct ConsensusParams {
     /// Number of most similar features of the other shape that are candidates for each feature.
     pub(crate) candidates: usize,
-    /// Distance after the motion up to which features agree with it, in their σ.
+    /// Distance after the motion up to which two features agree with it, in σ of the second feature.
     pub(crate) sigmas: f64,
     /// True to search for similarities, with a change of size, instead of rigid motions.
     pub(crate) scaled: bool,
@@ -95,11 +95,12 @@ pub(crate) struct Consensus {
     pub(crate) n_agreeing: usize,
 }
 
-/// Finds distinct motions from `first` to `second` that many features agree on, the one with most features first.
+/// Finds distinct motions from `first` to `second` that many features agree on, the motion with most features first.
 ///
-/// Two candidate pairs are compatible if distances and angles between their features are equal on both shapes, up to the
-/// precision of features. Two compatible pairs, with their normals, give a motion; those that share most compatible pairs come
-/// first. The motion is fitted to all pairs that agree with it. O(candidates³ / 64) at most, typically O(candidates²).
+/// Two candidate pairs are compatible if distances and angles between their features are equal on both shapes, up to
+/// the precision of features. Two compatible pairs, with their normals, give a motion; couples that share most
+/// compatible pairs come first. The motion is fitted to all pairs that agree with it. O(candidates³ / 64) at most,
+/// typically O(candidates²).
 ///
 /// Source: `chen2022`.
 ///
@@ -128,7 +129,7 @@ pub(crate) fn consensus(
     Ok(distinct(found, first, params.motions))
 }
 
-/// Keeps the first of motions that differ by less than 4 % of the extent of the features.
+/// Keeps the first of motions that differ by at most 4 % of the extent of the features, and at most `most` motions.
 fn distinct(found: Vec<Consensus>, first: &Landmarks, most: usize) -> Vec<Consensus> {
     let points: Vec<[f64; 3]> = first.keys.iter().map(|key| key.position).collect();
     let extent = adwave::shape::diagonal(&points);
@@ -145,7 +146,7 @@ fn distinct(found: Vec<Consensus>, first: &Landmarks, most: usize) -> Vec<Consen
     kept
 }
 
-/// Two features that may be the same, by their indices.
+/// Two features that may correspond, as indices into the features of both shapes.
 #[derive(Clone, Copy, Debug)]
 struct CandidatePair {
     first: usize,
@@ -161,7 +162,7 @@ struct PairedKeys {
     to: Key,
 }
 
-/// Lists the most similar features of the second shape for each feature of the first, and the reverse.
+/// Lists the most similar features of the second shape for each feature of the first, and vice versa.
 fn candidate_pairs(first: &Landmarks, second: &Landmarks, params: &ConsensusParams) -> Vec<CandidatePair> {
     let (firsts, seconds): (Vec<usize>, Vec<usize>) =
         ((0..first.keys.len()).collect(), (0..second.keys.len()).collect());
@@ -193,16 +194,17 @@ fn candidate_pairs(first: &Landmarks, second: &Landmarks, params: &ConsensusPara
     pairs
 }
 
-/// Candidate pairs that are compatible with each candidate pair, as bits.
+/// Matrix of bits: row i marks the candidate pairs that are compatible with candidate pair i.
 struct CompatiblePairs {
     n_words: usize,
     words: Vec<u64>,
 }
 
-/// Two compatible candidate pairs, which determine a motion with their normals.
+/// Two compatible candidate pairs, whose positions and normals determine a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Couple {
-    /// Rank among the couples of the first pair, so that motions that few pairs agree on come early too.
+    /// Rank among the couples of the first pair. Low ranks come first, so that motions that few pairs agree on are
+    /// tried too.
     rank: usize,
     /// Number of candidate pairs that are not compatible with both.
     missing: usize,
@@ -239,7 +241,7 @@ impl CompatiblePairs {
         &self.words[i * self.n_words..][..self.n_words]
     }
 
-    /// Couples that share most compatible pairs.
+    /// Returns the couples that share most compatible pairs.
     fn best_couples(&self) -> Vec<Couple> {
         let n_pairs = self.words.len() / self.n_words;
         let couples_of = |i: usize| -> Vec<Couple> {
@@ -262,7 +264,7 @@ impl CompatiblePairs {
     }
 }
 
-/// Difference of two points; inlined, since it is taken millions of times.
+/// Difference of two points; inlined because it is computed millions of times.
 #[inline]
 fn offset(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -274,7 +276,8 @@ fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// Tells if two candidate pairs have equal distances and angles on both shapes, up to the precision of features.
+/// True if the features of two candidate pairs have equal distances and angles on both shapes, up to the precision of
+/// features.
 fn are_compatible(a: &PairedKeys, b: &PairedKeys, params: &ConsensusParams) -> bool {
     let (before, after) =
         (offset(&b.from.position, &a.from.position), offset(&b.to.position, &a.to.position));
@@ -328,7 +331,7 @@ fn fit_members(
     best.filter(|best| best.motion.scale() > 0.0)
 }
 
-/// Lists the nearest agreeing candidate pair of each feature of the first shape, no feature of the second twice.
+/// Lists the candidate pairs that agree with a motion, the nearest first; each feature is in at most one of them.
 fn agreeing_candidates(
     pairs: &[CandidatePair],
     places: &[PairedKeys],

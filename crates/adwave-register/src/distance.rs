@@ -11,20 +11,21 @@ const VERTICES_PER_CHUNK: usize = 1 << 14;
 /// Signed distances from the vertices of a shape to another shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignedDistances {
-    /// Distance of each point in model units: signed as [`Signs`] says; NaN if undefined.
+    /// Signed distance of each point in model units, with the sign of [`Signs`]; NaN if undefined.
     pub values: Vec<f64>,
     /// Closest point of each point.
     pub closest: Vec<ClosestPoint>,
-    /// Number of points whose closest point lies on the border of the other shape.
+    /// Number of points whose value is NaN because they may correspond to a point beyond a border of the other shape.
     pub n_beyond_border: usize,
-    /// Number of points beyond the limit.
+    /// Number of points whose value is NaN because they are farther than the limit.
     pub n_too_far: usize,
 }
 
 /// Computes `‖c − x‖` for each point x with closest point c on `surface`, with the sign that [`Signs`] gives.
 ///
-/// The value is NaN, a hole for bands, if the corresponding point may lie beyond a border of the surface, or if c is farther than
-/// `limit`. That is so where c lies on a border and `c − x` is not along the normal there. O(n log m).
+/// The value is NaN, a hole for bands, if the corresponding point may lie beyond a border of the surface, or if c is
+/// farther than `limit`. The corresponding point may lie beyond a border if c lies on it and `c − x` is not along the
+/// normal there. O(n log m) for n points and a surface of m vertices.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -64,7 +65,8 @@ pub fn signed_distances(
     Ok(distances)
 }
 
-/// Tells if a point lies exactly beside its closest point, up to the rounding of 32-bit coordinates.
+/// True if the offset of a point to its closest point is along the normal there, up to the rounding of 32-bit
+/// coordinates.
 fn is_beside(point: &[f64; 3], closest: &ClosestPoint, offset: &[f64; 3]) -> bool {
     let along = add_scaled(offset, -dot(offset, &closest.normal), &closest.normal);
     let size = point.iter().chain(&closest.point).fold(0.0_f64, |m, c| m.max(c.abs()));
@@ -76,11 +78,11 @@ fn is_beside(point: &[f64; 3], closest: &ClosestPoint, offset: &[f64; 3]) -> boo
 pub struct Summary {
     /// Area-weighted root mean square length; NaN without values.
     pub rms: f64,
-    /// Area-weighted mean of the first channel.
+    /// Area-weighted mean of the first channel; NaN without values.
     pub mean: f64,
     /// Largest length; NaN without values.
     pub greatest: f64,
-    /// Vertex with the largest length.
+    /// Vertex with the largest length; 0 without values.
     pub vertex: usize,
 }
 

@@ -1,6 +1,10 @@
-//! Registration of two shapes: closest points of a surface ([`ClosestPointSearch`]), motions ([`Motion`], [`align`]), pairs of
-//! features ([`pairs_under`]), the motion between two shapes that is better than chance and those that fit equally well
-//! ([`register()`]), and signed distances ([`signed_distances`]).
+//! Registration of two shapes.
+//!
+//! - Closest points of a surface: [`ClosestPointSearch`].
+//! - Motions: [`Motion`], [`align`].
+//! - Pairs of features: [`pairs_under`].
+//! - The motion between two shapes that is better than chance, and the motions that fit equally well: [`register()`].
+//! - Signed distances: [`signed_distances`].
 //!
 //! All lengths are in model units. The crate reads no files.
 

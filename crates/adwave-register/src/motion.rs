@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Number of reweighting rounds of a robust fit.
 const N_ROBUST_ROUNDS: usize = 10;
-/// Distance in medians at which the weight of a pair is 0.
+/// Distance at which the weight of a pair is 0, in multiples of the median distance.
 const TUKEY: f64 = 6.0;
 
 /// Similarity transform `p ↦ s·R·p + t`; a rigid motion if s = 1.
@@ -97,8 +97,8 @@ impl Motion {
         Some(Self { rotation, scale, translation: to_mean - scale * (rotation * from_mean) })
     }
 
-    /// Fits a rigid motion robustly: like [`fit`](Self::fit), with `areas` times Tukey's weights from the median distance, in
-    /// ten rounds. Points that moved otherwise are ignored.
+    /// Fits a rigid motion robustly: repeats [`fit`](Self::fit) in ten rounds, with Tukey's weights of the distances
+    /// relative to their median, times `areas`. Points that moved differently from most are ignored.
     pub fn fit_robust(from: &[[f64; 3]], to: &[[f64; 3]], areas: &[f64]) -> Option<Self> {
         let mut motion = Self::fit(from, to, areas, false)?;
         for _ in 0..N_ROBUST_ROUNDS {
@@ -172,7 +172,7 @@ impl Motion {
         self.translation.into()
     }
 
-    /// Homogeneous matrix, by rows.
+    /// Homogeneous matrix, row by row.
     pub fn matrix(&self) -> [[f64; 4]; 4] {
         let m = self.rotation.matrix();
         std::array::from_fn(|i| {

@@ -13,7 +13,8 @@ pub struct PairParams {
     pub sigmas: f64,
     /// Probability that one of the motions is the true one, in [0, 1].
     pub confidence: f64,
-    /// Standard deviation of the distances after the motion about those after the true one, in model units.
+    /// Standard deviation of the distance of a pair after the best motion from its distance after the true motion, in
+    /// model units.
     pub precision: f64,
 }
 
@@ -23,7 +24,8 @@ impl Default for PairParams {
     }
 }
 
-/// Distance of descriptors at which the confidence of a pair is 1/e, fitted to 164 pairs between two meshings of five shapes.
+/// Distance between descriptors at which the confidence of a pair is 1/e, fitted to 164 pairs between two meshings of
+/// five shapes.
 const DESCRIPTOR_DISTANCE: f64 = 0.2;
 
 /// Two features at the same place of the surface.
@@ -42,16 +44,16 @@ pub struct Pair {
 /// Ratio of the width of a logistic curve to its standard deviation, √3/π.
 const LOGISTIC_WIDTH: f64 = 0.551_328_895_421_792;
 
-/// Least width of the curve, in σ.
+/// Smallest width of the logistic curve, in σ.
 const MIN_WIDTH: f64 = 1e-6;
 
-/// Lists the mutually nearest similar features after the first of `motions`, within [`PairParams::sigmas`] of σ, by rising
-/// index of the first. O(first × second).
+/// Lists the mutually nearest similar features after the first of `motions`, within [`PairParams::sigmas`] times σ,
+/// sorted by the index of the first feature. O(first × second).
 ///
-/// The confidence is the probability that the true motion brings the two within one σ of each other:
-/// `c/m · Σ 1/(1 + exp((dᵢ − 1)/w))` over the m motions, which fit equally well, with the distances dᵢ after them in σ and the
-/// probability c that one of them is the true one, [`PairParams::confidence`]. The width w is `√3/π` times
-/// [`PairParams::precision`] over σ.
+/// The confidence is the probability that the true motion brings the two features within one σ of each other:
+/// `c/m · Σ 1/(1 + exp((dᵢ − 1)/w))` over the m motions, which fit equally well. Here dᵢ is the distance after motion i
+/// in σ, c is the probability that one of the motions is the true one ([`PairParams::confidence`]), and the width w is
+/// `√3/π` times [`PairParams::precision`] over σ.
 pub fn pairs_under(first: &[Key], second: &[Key], motions: &[Motion], params: &PairParams) -> Vec<Pair> {
     let Some(best) = motions.first() else { return Vec::new() };
     let to_pair = |AgreeingPair { first: a, second: b, sigmas }| {
@@ -67,11 +69,11 @@ pub fn pairs_under(first: &[Key], second: &[Key], motions: &[Motion], params: &P
     agreeing_pairs(first, second, best, params.sigmas).into_iter().map(to_pair).collect()
 }
 
-/// Lists the features with the most similar descriptors, in both directions, nearer than `ratio` times the second nearest, by
-/// rising index of the first. O(first × second).
+/// Lists the pairs of features whose descriptors are mutually the most similar, with a distance below `ratio` times
+/// that of the second nearest, sorted by the index of the first feature. O(first × second).
 ///
-/// The confidence is `exp(−d/0.2)` for the distance d of the descriptors. It follows the share of right pairs between two meshings
-/// of one whole shape, and says nothing about shapes that differ.
+/// The confidence is `exp(−d/0.2)` for the distance d between the descriptors. It follows the share of correct pairs
+/// between two meshings of one whole shape, and does not hold for shapes that differ.
 pub fn descriptor_pairs(first: &ShapeFeatures, second: &ShapeFeatures, ratio: f64) -> Vec<Pair> {
     let pair = |m: adwave::features::Match| Pair {
         first: m.first,

@@ -1,4 +1,4 @@
-//! Motions between two shapes that are claimed, and what the claim rests on.
+//! Motions between two shapes, with the evidence for each.
 
 use crate::consensus::agreeing_pairs;
 use crate::registrand::RegistrandView;
@@ -7,43 +7,43 @@ use crate::two_way_fit::{precision, two_way_fit};
 use crate::{AlignParams, Motion, Pair, PairParams, Registrand, TwoWayFit, align, pairs_under};
 use adwave::{Cancelled, Progress};
 
-/// Least correlation of the bands of a claimed motion.
+/// Least correlation of the bands of a clear motion.
 const MIN_AGREEMENT: f64 = 0.65;
-/// Least information of a claimed motion, in nats.
+/// Least information of a clear motion, in nats.
 const MIN_INFORMATION: f64 = 18.0;
-/// Number of features below which a motion needs no pair of them: a machined part may have none.
+/// Number of features below which a motion may be clear without a pair of features: a machined part may have none.
 const FEW_FEATURES: usize = 6;
-/// Least ratio to the information of the mirror image.
+/// Least ratio of the information of a clear motion to that of the best motion of the mirror image.
 const MIN_GAIN: f64 = 1.4;
-/// Largest conflict of a claimed motion.
+/// Largest conflict of a clear motion.
 const MAX_CONFLICT: f64 = 0.15;
 /// Least information of a candidate that is refined to the end, relative to the best.
 const LEAST_SHARE: f64 = 0.15;
-/// Points of a refinement of all candidates; only the best is refined with more.
+/// Number of points with which all candidates are refined; only the best is refined with more.
 const REFINED_POINTS: usize = 1200;
-/// Rounds of this refinement.
+/// Number of rounds with which all candidates are refined.
 const REFINED_ROUNDS: usize = 60;
-/// Rounds of the last refinement of the best.
+/// Number of rounds of the last refinement of the best candidate.
 const LAST_ROUNDS: usize = 60;
-/// Largest surplus of conflict of an equal motion.
+/// Largest excess of the conflict of an equal motion over that of the best.
 const EQUAL_CONFLICT: f64 = 0.02;
-/// Largest surplus of cost of an equal motion.
+/// Largest excess of the cost of an equal motion over that of the best.
 const EQUAL_COST: f64 = 0.7;
 /// Least information of an equal motion, relative to the best.
 const EQUAL_INFORMATION: f64 = 0.15;
 
 /// Least overlap of a fit that is preferred for its cost.
 const LEAST_OVERLAP: f64 = 0.3;
-/// Largest median distance that is noise, in multiples of the precision.
+/// Largest median distance that is regarded as noise, in multiples of the precision.
 const MAX_NOISE: f64 = 5.0;
-/// Largest ratio of the distance that 99.5 % of the places keep to the median distance, if nothing but noise is left.
+/// Largest ratio of the distance that 99.5 % of the samples do not exceed to the median distance, if the rest is noise.
 const MAX_TAIL: f64 = 6.0;
 
-/// Share of clear motions that are right, measured on shapes with a known motion (`cargo xtask bench-match`).
+/// Share of clear motions that are correct, measured on shapes with a known motion (`cargo xtask bench-match`).
 pub const CLEAR_CONFIDENCE: f64 = 0.99;
 
-/// Standard deviation of the distance of a pair after a motion about that after the true one, in mean spacings: of 201 pairs
-/// of the seeds `choose` of `cargo xtask bench-match`, 0.03 to 0.07 by their σ.
+/// Standard deviation of the distance of a pair after a motion from its distance after the true motion, in mean
+/// spacings. It is 0.03 to 0.07, depending on σ, for 201 pairs of the seeds `choose` of `cargo xtask bench-match`.
 const DISTANCE_DEVIATION: f64 = 0.06;
 
 /// Motion between two shapes with its evidence.
@@ -62,32 +62,34 @@ pub struct RegisteredMotion {
 pub struct Registration {
     /// Motion that fits best, if any was found.
     pub best: Option<RegisteredMotion>,
-    /// True if the best motion fits better than chance: see [`Registration`].
+    /// True if the best motion fits better than chance, as [`register()`] defines it.
     pub is_clear: bool,
-    /// Other motions that fit as well as the best, if it is clear.
+    /// Other motions that fit as well as the best; empty if the best is not clear.
     pub equal: Vec<RegisteredMotion>,
     /// All refined candidates, the best included.
     pub candidates: Vec<RegisteredMotion>,
-    /// Best motion of the mirror image of the first shape, found by the same search.
+    /// Fit of the best motion of the mirror image of the first shape, found by the same search.
     pub chance: Option<TwoWayFit>,
-    /// Number of pairs of features within 1 σ after that motion.
+    /// Number of pairs of features within 1 σ after the best motion of the mirror image.
     pub n_by_chance: usize,
 }
 
 impl Registration {
-    /// The best motion, if it is clear.
+    /// Returns the best motion if it is clear.
     pub fn clear(&self) -> Option<&RegisteredMotion> {
         self.best.as_ref().filter(|_| self.is_clear)
     }
 
-    /// Probability that the best motion is the true one, if it is clear: [`CLEAR_CONFIDENCE`], shared with the equal ones.
+    /// Probability that the best motion is the true one: [`CLEAR_CONFIDENCE`] divided by the number of equal motions,
+    /// the best included; 0 if the best is not clear.
     pub fn confidence(&self) -> f64 {
         if self.is_clear { CLEAR_CONFIDENCE / (1 + self.equal.len()) as f64 } else { 0.0 }
     }
 }
 
 impl Registration {
-    /// Pairs of features within `sigmas` of σ after the best motion, with their confidences; empty if it is not clear.
+    /// Pairs of features within `sigmas` times σ after the best motion, with their confidences; empty if the motion is
+    /// not clear.
     pub fn pairs(&self, first: &Registrand, second: &Registrand, sigmas: f64) -> Vec<Pair> {
         let Some(best) = self.clear() else { return Vec::new() };
         let keys = first.features.keys_of_view(false, best.fit.is_flipped);
@@ -99,14 +101,14 @@ impl Registration {
     }
 }
 
-/// Finds the motion from `first` to `second`, judges whether it is better than chance, and lists the motions that fit equally
-/// well.
+/// Finds the motion from `first` to `second`, judges if it is better than chance, and lists the motions that fit
+/// equally well.
 ///
-/// Candidates come from places where bands are extremal and from rotations about the centers. Each is refined on
-/// the surfaces and judged by its fit in both directions: how far partners are apart, and how the bands of the one shape
-/// correlate with those of the other. The same search on the mirror image of `first` shows what chance achieves. A motion
-/// is clear if its bands correlate, carry much more information than those of the mirror image, and few places contradict. A
-/// shape that equals its own mirror image is judged by correlation and conflict alone.
+/// Candidates come from places where bands are extremal and from rotations about the centers. Each is refined on the
+/// surfaces and judged by its fit in both directions: by the distances between partners, and by the correlation between
+/// the bands of both shapes. The same search on the mirror image of `first` shows the fit that chance achieves. A
+/// motion is clear if its bands correlate, if they carry much more information than those of the mirror image, and if
+/// few places contradict it. A shape that equals its own mirror image is judged by correlation and conflict alone.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -165,12 +167,12 @@ pub fn register(
     })
 }
 
-/// Information that is left after the conflict.
+/// Information of a fit, reduced by its conflict.
 fn score(fit: &TwoWayFit) -> f64 {
     fit.information * (1.0 - fit.conflict)
 }
 
-/// Tells if a motion is better than chance.
+/// True if a motion fits better than chance, the fit of the mirror image.
 fn is_clear(fit: &TwoWayFit, chance: Option<&TwoWayFit>) -> bool {
     let chance = chance.copied().unwrap_or_default();
     // A shape that is nearly its own mirror image says nothing about chance.
@@ -181,7 +183,7 @@ fn is_clear(fit: &TwoWayFit, chance: Option<&TwoWayFit>) -> bool {
         && (is_own_mirror_image || fit.information >= MIN_GAIN * chance.information)
 }
 
-/// Tells if another motion fits as well as the best.
+/// True if another motion fits as well as the best.
 fn is_equal(best: &TwoWayFit, other: &TwoWayFit, second: &Registrand) -> bool {
     other.agreement >= MIN_AGREEMENT
         && other.information >= EQUAL_INFORMATION * best.information
@@ -208,7 +210,7 @@ fn refine(
     Ok(measure(view, target, motion))
 }
 
-/// Refines a motion once more, on vertices.
+/// Refines the best motion once more, on vertices instead of samples.
 fn refine_best(
     view: &RegistrandView<'_>,
     target: &RegistrandView<'_>,
@@ -232,7 +234,7 @@ fn measure(view: &RegistrandView<'_>, target: &RegistrandView<'_>, motion: Motio
     RegisteredMotion { motion, fit, n_agreeing }
 }
 
-/// Keeps the first of motions that differ by less than 2 % of the extent.
+/// Keeps the first of motions that differ by at most 2 % of the extent.
 fn distinct(refined: Vec<RegisteredMotion>, first: &Registrand) -> Vec<RegisteredMotion> {
     let points = first.sample_points();
     let mut kept: Vec<RegisteredMotion> = Vec::new();
@@ -245,7 +247,7 @@ fn distinct(refined: Vec<RegisteredMotion>, first: &Registrand) -> Vec<Registere
     kept
 }
 
-/// Motion that brings two shapes closest together, whether or not it is clear.
+/// Motion that brings two shapes closest together; it need not be clear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestFit {
     /// Motion from the first shape to the second.
@@ -258,7 +260,8 @@ pub struct ClosestFit {
     pub n_equal: usize,
 }
 
-/// Aligns `first` with `second` from where they are; `None` if places remain that are much farther apart than most.
+/// Aligns `first` with `second` from where they are; `None` if few places have a partner, or if some are much farther
+/// apart than most.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -275,8 +278,8 @@ pub fn fit_in_place(
     Ok(fits.then_some(ClosestFit { motion: found.motion, fit: found.fit, is_certain: true, n_equal: 0 }))
 }
 
-/// Finds the motion that brings `first` closest to `second`: the clear one, or else the one with the least mean of
-/// `ln(1 + d²/ε²)` over both directions, which no part that differs can outweigh.
+/// Finds the motion that brings `first` closest to `second`: a clear one, or else the candidate with the least mean of
+/// `ln(1 + d²/ε²)` over both directions. Parts that differ cannot outweigh the rest in this mean.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -303,7 +306,7 @@ pub fn closest_fit(
     }))
 }
 
-/// Tells if the surfaces coincide up to noise, and no place is much farther apart than most are.
+/// True if the surfaces coincide up to noise, and no place is much farther apart than most.
 fn is_even(fit: &TwoWayFit, precision: f64) -> bool {
     fit.median <= MAX_NOISE * precision && fit.tail <= MAX_TAIL * fit.median.max(precision)
 }

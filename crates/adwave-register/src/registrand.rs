@@ -14,7 +14,7 @@ use std::collections::BinaryHeap;
 /// Number of samples of a surface.
 const N_SAMPLES: usize = 1200;
 
-/// Most vertices of the last alignment.
+/// Largest number of vertices in the last alignment.
 const N_VERTICES: usize = 3000;
 
 /// A shape prepared for registration.
@@ -25,18 +25,18 @@ pub struct Registrand {
     pub features: ShapeFeatures,
     /// Mean distance between neighboring vertices, in model units.
     pub spacing: f64,
-    /// Diagonal of the bounding box without stray points, in model units.
+    /// Diagonal of the bounding box, without stray points, in model units.
     pub extent: f64,
-    /// Area in squared model units.
+    /// Area of the surface, in squared model units.
     pub area: f64,
-    /// Distance from the border of each welded vertex along the surface, infinite where it is far.
+    /// Distance of each welded vertex from the border along the surface, in model units; infinite if it is far.
     border_distance: Vec<f64>,
     /// Vertices for the last alignment, evenly sampled in their order.
     pub(crate) vertices: Vec<[f64; 3]>,
     samples: Vec<SurfaceSample>,
 }
 
-/// Place on a surface that stands for an equal share of its area.
+/// Point of a surface that represents an equal share of its area.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceSample {
     pub(crate) point: [f64; 3],
@@ -98,7 +98,7 @@ impl Registrand {
     }
 }
 
-/// A shape or its mirror image at x = 0, which is searched like the shape itself to learn what chance achieves.
+/// A shape or its mirror image at x = 0; the search on the mirror image shows the fit that chance achieves.
 pub(crate) struct RegistrandView<'a> {
     pub(crate) shape: &'a Registrand,
     pub(crate) samples: Vec<SurfaceSample>,
@@ -119,7 +119,7 @@ impl<'a> RegistrandView<'a> {
         Self { shape, samples: shape.samples.iter().map(reflect).collect(), is_mirrored: true }
     }
 
-    /// Landmarks, mirrored if the view is.
+    /// Landmarks of the shape, mirrored if the view is.
     pub(crate) fn landmarks(&self) -> Cow<'a, Landmarks> {
         let landmarks = &self.shape.features.landmarks;
         if self.is_mirrored { Cow::Owned(landmarks.mirrored()) } else { Cow::Borrowed(landmarks) }
@@ -142,12 +142,12 @@ impl<'a> RegistrandView<'a> {
         ClosestPoint { normal: closest.normal.map(|c| if is_inward { -c } else { c }), ..closest }
     }
 
-    /// Distance of a place from the border along the surface, in model units.
+    /// Distance of a point with the given corners from the border along the surface, in model units.
     pub(crate) fn border_distance(&self, corners: &[u32; 3]) -> f64 {
         corners.iter().map(|&x| self.shape.border_distance[x as usize]).fold(f64::INFINITY, f64::min)
     }
 
-    /// Mean of the samples and the axes of their second moments, the widest first.
+    /// Mean of the samples and the axes of their second moments, the axis of the largest moment first.
     pub(crate) fn principal_frame(&self) -> Option<PrincipalFrame> {
         let n = self.samples.len() as f64;
         let sum = self.samples.iter().fold([0.0; 3], |sum, s| add_scaled(&sum, 1.0, &s.point));
@@ -167,7 +167,7 @@ impl<'a> RegistrandView<'a> {
     }
 }
 
-/// Areas of the welded vertices.
+/// Areas of the welded vertices, in squared model units.
 fn welded_areas(decomposer: &Decomposer) -> Vec<f64> {
     let map = decomposer.vertex_map().as_slice();
     let mut areas = vec![0.0; decomposer.n_places()];
@@ -177,7 +177,8 @@ fn welded_areas(decomposer: &Decomposer) -> Vec<f64> {
     areas
 }
 
-/// Distance of each welded vertex from the border along edges, infinite beyond `radius` and without a border.
+/// Distance of each welded vertex from the border along edges, in model units; infinite beyond `radius` and without a
+/// border.
 fn distance_from_border(decomposer: &Decomposer, radius: f64) -> Vec<f64> {
     let (points, neighbors) = (decomposer.positions(), decomposer.neighbors());
     let mut distance = vec![f64::INFINITY; points.len()];
@@ -208,13 +209,13 @@ pub(crate) fn mirror(p: &[f64; 3]) -> [f64; 3] {
     [-p[0], p[1], p[2]]
 }
 
-/// Interpolates a field of vectors.
+/// Interpolates a field of vectors at a point with barycentric weights.
 fn interpolate(field: &[[f64; 3]], corners: &[u32; 3], weights: &[f64; 3]) -> [f64; 3] {
     let add = |sum: [f64; 3], (&x, &w): (&u32, &f64)| add_scaled(&sum, w, &field[x as usize]);
     corners.iter().zip(weights).fold([0.0; 3], add)
 }
 
-/// Samples of the triangles, at equal steps of the area.
+/// Samples the triangles at equal steps of the area.
 fn mesh_samples(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<SurfaceSample> {
     let edges = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|x| points[x as usize]);
@@ -239,7 +240,7 @@ fn mesh_samples(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<SurfaceSampl
     places.into_iter().enumerate().map(sample).collect()
 }
 
-/// Samples of the points, at equal steps of the area.
+/// Samples the points of a cloud at equal steps of the area.
 fn cloud_samples(points: &[[f64; 3]], areas: &[f64]) -> Vec<SurfaceSample> {
     let sample = |x: usize| SurfaceSample {
         point: points[x],
@@ -250,7 +251,7 @@ fn cloud_samples(points: &[[f64; 3]], areas: &[f64]) -> Vec<SurfaceSample> {
     equal_steps(areas.iter().copied()).into_iter().map(sample).collect()
 }
 
-/// Indices at [`N_SAMPLES`] equal steps of the running sum of `shares`.
+/// Indices at which the running sum of `shares` passes [`N_SAMPLES`] equal steps.
 fn equal_steps(shares: impl Iterator<Item = f64> + Clone) -> Vec<usize> {
     let total: f64 = shares.clone().sum();
     let mut places = Vec::with_capacity(N_SAMPLES);
@@ -264,8 +265,7 @@ fn equal_steps(shares: impl Iterator<Item = f64> + Clone) -> Vec<usize> {
     places
 }
 
-/// Motions that take the center of one shape to that of the other and its principal axes to those of the other, with a change
-/// of size.
+/// Motions that take the center and the principal axes of one shape to those of the other, scaled by `scale`.
 pub(crate) fn principal_motions(
     from: &RegistrandView<'_>,
     to: &RegistrandView<'_>,
@@ -281,7 +281,7 @@ pub(crate) fn principal_motions(
     axis_turns().iter().map(motion).collect()
 }
 
-/// Motions that take the center of one shape to that of the other, with the given rotation vectors.
+/// Motions that take the center of one shape to that of the other, one for each rotation vector in `turns`.
 pub(crate) fn centered_motions(
     from: &RegistrandView<'_>,
     to: &RegistrandView<'_>,
@@ -293,18 +293,18 @@ pub(crate) fn centered_motions(
     turns.iter().map(|turn| about_centers(&first, &second, Motion::new(*turn, [0.0; 3]))).collect()
 }
 
-/// A rotation between the origins of two frames.
+/// Motion that takes the origin of the first frame to that of the second and rotates by `turn` about it.
 fn about_centers(first: &PrincipalFrame, second: &PrincipalFrame, turn: Motion) -> Motion {
     let to_origin = Motion::new([0.0; 3], first.origin.map(|c| -c));
     to_origin.then(&turn).then(&Motion::new([0.0; 3], second.origin))
 }
 
-/// A frame with its axes permuted and reversed.
+/// Permutes and reverses the axes of a frame.
 fn turn_axes(frame: &PrincipalFrame, axes: &[(usize, f64); 3]) -> PrincipalFrame {
     PrincipalFrame { origin: frame.origin, axes: axes.map(|(k, sign)| frame.axes[k].map(|c| sign * c)) }
 }
 
-/// The 24 permutations and reversals of the axes that are rotations, as axis and sign.
+/// The 24 permutations and reversals of the axes that are rotations; each axis is an index and a sign.
 fn axis_turns() -> Vec<[(usize, f64); 3]> {
     let mut turns = Vec::new();
     for x in 0..3 {

@@ -1,4 +1,4 @@
-//! Search for the motions between two shapes.
+//! Search for motions between two shapes.
 
 use crate::consensus::{ConsensusParams, consensus};
 use crate::registrand::{RegistrandView, centered_motions, principal_motions};
@@ -21,9 +21,9 @@ pub(crate) struct FoundMotion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SearchStarts {
-    /// Places where bands are extremal, and the rotations between the principal axes.
+    /// Places where bands are extremal, and rotations between the principal axes.
     Surfaces,
-    /// These, where the shapes are, and a grid of rotations about the centers.
+    /// The starts of [`Surfaces`](Self::Surfaces), the identity, and a grid of rotations about the centers.
     Everywhere,
 }
 
@@ -35,7 +35,7 @@ pub struct SearchParams {
     pub scaled: bool,
     /// Starts of the search.
     pub starts: SearchStarts,
-    /// Largest number of motions that are compared to the end.
+    /// Largest number of motions that are compared in full.
     pub equal: usize,
 }
 
@@ -58,44 +58,44 @@ impl Default for SearchParams {
 pub(crate) struct MotionSearch {
     /// Distinct motions, the one with the most information first.
     pub(crate) motions: Vec<FoundMotion>,
-    /// Motions of the mirror image of the first shape, found by the same procedure.
+    /// Distinct motions of the mirror image of the first shape, found by the same procedure.
     pub(crate) chance: Vec<FoundMotion>,
 }
 
-/// Correlation of bands below which a motion is not compared with chance, since it is not claimed.
+/// Correlation of bands below which a motion is not compared with chance, because it cannot be clear.
 const PLAUSIBLE_AGREEMENT: f64 = 0.3;
 
 /// Correlation of bands above which a motion is so plausible that no further starts are tried.
 const SURE_AGREEMENT: f64 = 0.6;
-/// Most candidates that are refined on more points.
+/// Largest number of candidates that are refined on more points.
 const MAX_CANDIDATES: usize = 16;
 /// Step between the samples of a rough fit.
 const ROUGH_STEP: usize = 30;
-/// Numbers of starts that are tried, and of those that are refined: few first, then all.
+/// Numbers of starts that are tried and of starts that are refined, in rounds: first few, then all.
 const BATCHES: [(usize, usize); 3] = [(44, 10), (88, 20), (usize::MAX, 48)];
 
 /// Least gain of the rough fit of an alternative, relative to that of the best motion.
 const LEAST_GAIN: f64 = 0.4;
-/// Distance from the motions that were found below which a start is not tried again, as a share of the extent.
+/// Distance from known motions below which a start is not tried again, as a share of the extent.
 const NEAR: f64 = 0.05;
-/// Most motions whose differences are continued.
+/// Largest number of motions whose differences are continued.
 const MAX_CONTINUED: usize = 6;
-/// Most rounds in which they are continued.
+/// Largest number of rounds in which motions are continued.
 const CONTINUING_ROUNDS: usize = 3;
-/// Starts of the landmarks that come before those of the principal axes.
+/// Number of starts of the landmarks that come before those of the principal axes.
 const N_FIRST: usize = 16;
 
 /// Stage of the refinement.
 struct RefinementStage {
-    /// Points of the alignment.
+    /// Number of points of the alignment.
     points: usize,
-    /// Rounds of the alignment.
+    /// Number of rounds of the alignment.
     rounds: usize,
     /// Reach of the alignment, as a share of the extent.
     reach: f64,
     /// Step between the samples by which the refined motions are judged.
     step: usize,
-    /// Difference below which two refined motions are one, as a share of the extent.
+    /// Difference below which two refined motions count as one, as a share of the extent.
     distance: f64,
 }
 
@@ -104,10 +104,11 @@ const STAGES: [RefinementStage; 2] = [
     RefinementStage { points: 120, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
     RefinementStage { points: 300, rounds: 6, reach: 0.02, step: 2, distance: 0.02 },
 ];
-/// Rotations of the grid; no rotation is farther than about 40° from one of them.
+/// Number of rotations of the grid; no rotation is farther than about 40° from one of them.
 const N_TURNS: usize = 96;
 
-/// Searches for distinct motions from `first` to `second`, and by the same procedure for those of the mirror image of `first`.
+/// Searches for distinct motions from `first` to `second`, and for those of the mirror image of `first` by the same
+/// procedure.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -126,8 +127,8 @@ pub(crate) fn search_motions(
     Ok(MotionSearch { motions, chance })
 }
 
-/// Candidates of one shape, the one with the most information first. If some of the best starts lead to motions that are
-/// plausible, only those of the others that fit roughly as well are tried.
+/// Finds candidate motions, the candidate with the most information first. If some of the best starts lead to motions
+/// with a high correlation, only those of the other starts that fit roughly as well are tried.
 fn refined_candidates(
     first: &RegistrandView<'_>,
     second: &RegistrandView<'_>,
@@ -154,7 +155,8 @@ fn refined_candidates(
     Ok(found)
 }
 
-/// Median over the starts of the median distance, in units of the smaller extent. Most motions are wrong.
+/// Median over the starts of the median distance, in units of the smaller extent: the distance of a wrong motion, as
+/// most are.
 fn typical_distance(rough: &[RoughFit]) -> f64 {
     let mut medians: Vec<f64> = rough.iter().map(RoughFit::median).filter(|d| d.is_finite()).collect();
     medians.sort_by(f64::total_cmp);
@@ -167,7 +169,7 @@ struct Refinement<'a> {
     second: &'a RegistrandView<'a>,
     /// Samples of the first shape.
     points: Vec<[f64; 3]>,
-    /// True for similarities.
+    /// True to refine similarities instead of rigid motions.
     scaled: bool,
     progress: Progress<'a>,
 }
@@ -178,7 +180,7 @@ impl Refinement<'_> {
         motions.par_iter().map(fit).collect()
     }
 
-    /// Refines starts on few points, and the best of these on more. The motion with the most information comes first.
+    /// Refines starts on few points, and the best results on more. The motion with the most information comes first.
     fn refine(&self, mut motions: Vec<Motion>) -> Result<Vec<FoundMotion>, Cancelled> {
         let mut found: Vec<FoundMotion> = Vec::new();
         for stage in &STAGES {
@@ -207,7 +209,7 @@ impl Refinement<'_> {
         Ok(FoundMotion { motion, fit: two_way_fit(first, second, &motion, stage.step) })
     }
 
-    /// Sorts motions by information, and keeps the first of those that differ by less than a share of the extent.
+    /// Sorts motions by information, and keeps the first of those that differ by at most a share of the extent.
     fn sort_distinct(&self, found: &mut Vec<FoundMotion>, share: f64) {
         found.sort_by(|a, b| b.fit.information.total_cmp(&a.fit.information));
         let mut kept: Vec<FoundMotion> = Vec::new();
@@ -219,18 +221,19 @@ impl Refinement<'_> {
         *found = kept;
     }
 
-    /// Tells if a motion differs from one of the others by less than a share of the extent.
+    /// True if a motion differs from one of the others by at most a share of the extent.
     fn is_near<'m>(&self, motion: &Motion, others: impl IntoIterator<Item = &'m Motion>, share: f64) -> bool {
         let points: Vec<[f64; 3]> = self.points.iter().copied().step_by(100).collect();
         let least = share * motion.scale() * self.first.shape.extent;
         others.into_iter().any(|other| motion.difference(other, &points) <= least)
     }
 
-    /// Adds motions that may fit as well as those that were found: further starts, and motions that continue a row or a
+    /// Adds motions that may fit as well as the known ones: further starts, and motions that continue a row or a
     /// rotation.
     ///
-    /// If m and m′ were found, m′·m⁻¹ brings one part of the second shape onto another one that looks alike, and after m it
-    /// leads to the next such part. Only motions whose rough fit is nearly as good as that of the best motion are refined.
+    /// If m and m′ are known, m′·m⁻¹ brings one part of the second shape onto another part that looks alike; applied
+    /// after m′ it leads to the next such part. Only motions whose rough fit is nearly as good as that of the best
+    /// motion are refined.
     fn add_alternatives(
         &self,
         mut found: Vec<FoundMotion>,
@@ -270,7 +273,7 @@ impl Refinement<'_> {
     }
 }
 
-/// Each motion followed by the difference of each two.
+/// Composes each motion with the difference of each two.
 fn continued(motions: &[Motion]) -> Vec<Motion> {
     let mut continued = Vec::new();
     for (i, from) in motions.iter().enumerate() {
@@ -284,7 +287,7 @@ fn continued(motions: &[Motion]) -> Vec<Motion> {
     continued
 }
 
-/// Starts of all kinds.
+/// Lists the starts of all kinds, the most promising first.
 fn starts(
     first: &RegistrandView<'_>,
     second: &RegistrandView<'_>,
@@ -322,7 +325,7 @@ fn starts(
     Ok(starts)
 }
 
-/// Rotation vectors that cover all rotations evenly, on a spiral.
+/// Rotation vectors that cover all rotations evenly, along a spiral; n vectors in radians.
 ///
 /// Source: `alexa2022`.
 fn rotation_grid(n: usize) -> Vec<[f64; 3]> {

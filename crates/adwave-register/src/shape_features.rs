@@ -12,19 +12,19 @@ use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Width of the last level relative to the diagonal.
+/// Width σ of the last level, relative to the diagonal.
 const MAX_RELATIVE_WIDTH: f64 = 0.08;
 /// Smallest number of levels.
 const MIN_LEVELS: usize = 6;
 /// Relative accuracy of the bands, far below the differences between features.
 const ACCURACY: f64 = 1e-6;
 
-/// Most landmarks of a shape: the strongest.
+/// Largest number of landmarks of a shape; the strongest are kept.
 const MAX_LANDMARKS: usize = 250;
 /// Smallest σ of a landmark, in mean spacings: finer bands are mostly noise.
 const LANDMARK_SPACINGS: f64 = 2.0;
 
-/// Largest σ of a landmark relative to the diagonal: few wider ones lie off the borders of an overlap.
+/// Largest σ of a landmark, relative to the diagonal; few wider landmarks lie off the borders of an overlap.
 const LANDMARK_EXTENT: f64 = 0.06;
 
 /// Failure to describe a shape for matching.
@@ -75,12 +75,12 @@ pub struct ShapeFeatures {
     pub keys: Vec<Key>,
     /// Descriptors of the surroundings, in the same order.
     pub descriptors: Vec<Descriptor>,
-    /// Places at which a band is extremal on the surface, whatever other levels say. They are more than the features, and the
-    /// search for a motion starts from them.
+    /// Places at which a band is extremal on the surface, regardless of other levels. They outnumber the features, and
+    /// the search for a motion starts from them.
     pub(crate) landmarks: Landmarks,
     /// True if the shape has an outside, so that + is convex and − concave.
     pub is_signed: bool,
-    /// True if the outside of a part was guessed, so that another scan of it may have the other side outside.
+    /// True if the outside of a part was guessed, so that another scan of the part may have the other side outside.
     pub is_guessed: bool,
     /// Bands in which the features were found, one channel; `None` without features.
     pub bands: Option<Arc<Wavelets>>,
@@ -96,7 +96,8 @@ pub(crate) struct Landmarks {
 }
 
 impl Landmarks {
-    /// Finds the [`MAX_LANDMARKS`] strongest on levels an octave apart, from [`LANDMARK_SPACINGS`] upward. O(n × levels).
+    /// Finds the [`MAX_LANDMARKS`] strongest landmarks on levels an octave apart, from [`LANDMARK_SPACINGS`] upward.
+    /// O(n × levels).
     fn new(decomposer: &Decomposer, bands: &Wavelets, normal: impl Fn(usize) -> [f64; 3]) -> Self {
         let (neighbors, map) = (decomposer.neighbors(), decomposer.vertex_map().as_slice());
         let mut first = vec![usize::MAX; decomposer.n_places()];
@@ -149,14 +150,14 @@ impl Landmarks {
         self.map(Key::flipped, flip_descriptor)
     }
 
-    /// Landmarks of the mirror image at x = 0. Descriptors stay as they are.
+    /// Landmarks of the mirror image at x = 0. Descriptors stay unchanged.
     pub(crate) fn mirrored(&self) -> Self {
         self.map(Key::mirrored, Descriptor::clone)
     }
 }
 
 impl ShapeFeatures {
-    /// Normals alone, for comparisons of surfaces that need no features.
+    /// Creates a result with normals alone, for comparisons of surfaces that need no features.
     pub fn without_features(outward: OutwardNormals) -> Self {
         Self {
             features: Vec::new(),
@@ -170,7 +171,7 @@ impl ShapeFeatures {
         }
     }
 
-    /// Keys of the mirror image at x = 0, with the other side outside if `is_flipped`.
+    /// Keys of the shape, of its mirror image at x = 0 if `is_mirrored`, with the other side outside if `is_flipped`.
     pub(crate) fn keys_of_view(&self, is_mirrored: bool, is_flipped: bool) -> Vec<Key> {
         let view = |key: &Key| {
             let key = if is_mirrored { key.mirrored() } else { *key };
@@ -180,8 +181,8 @@ impl ShapeFeatures {
     }
 }
 
-/// Common widths σ of two shapes, in model units: half an octave apart, from the larger mean edge length to 8 % of the
-/// smaller diagonal.
+/// Common widths σ of two shapes, in model units: half an octave apart, from the larger mean edge length to at least 8
+/// % of the smaller diagonal, at least six.
 ///
 /// # Errors
 /// Returns a [`DescribeError`] for a graph and for a shape without extent.
@@ -200,11 +201,11 @@ pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64
     Ok((0..n_levels).map(|j| finest * (j as f64 / 2.0).exp2()).collect())
 }
 
-/// Finds and describes the features of the coordinates of a shape, at the widths `lengths`.
+/// Finds and describes the features of the coordinates of a shape, at the widths `lengths` in model units.
 ///
-/// Features are extrema of `W_j·n / σ_j` along the outward normals n, or of `‖W_j‖ / σ_j` if the shape has no outside. Their
-/// response is at least θ times the mean, and their positions are interpolated between vertices and levels. `normals` are
-/// those stored in the file, if any. O(n × levels).
+/// Features are extrema of `W_j·n / σ_j` along the outward normals n, or of `‖W_j‖ / σ_j` if the shape has no outside.
+/// Their response is at least `theta` times the mean, and their positions are interpolated between vertices and levels.
+/// `normals` are those stored in the file, three values per vertex, if any. O(n × levels).
 ///
 /// # Errors
 /// Returns a [`DescribeError`] if bands, normals or features cannot be computed.
@@ -238,10 +239,11 @@ pub fn describe_shape(
     Ok(ShapeFeatures { features, keys, descriptors, landmarks, is_signed, is_guessed, bands, normals })
 }
 
-/// Numbers of a level in a descriptor, of five levels: pairs of a positive and a negative part, and the response itself.
+/// Number of values of each of the five levels of a descriptor: pairs of a positive and a negative part, and the
+/// response itself.
 const PER_LEVEL: usize = DESCRIPTOR_LENGTH / 5;
 
-/// Descriptor of the same feature of the negated signal.
+/// Computes the descriptor of the same feature of the negated signal.
 fn flip_descriptor(descriptor: &Descriptor) -> Descriptor {
     let mut flipped = *descriptor;
     for level in flipped.chunks_exact_mut(PER_LEVEL) {

@@ -9,25 +9,25 @@ use adwave::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
 use std::collections::{HashMap, HashSet};
 
-/// Most neighbors over which the points of a cloud must spread like a surface; a fifth of a small cloud.
+/// Largest number of neighbors over which the spread of the points of a cloud is measured; a fifth of a small cloud.
 const SPREAD_NEIGHBORS: usize = 40;
 
-/// Fewest neighbors.
+/// Smallest number of neighbors over which the spread is measured.
 const FEWEST_NEIGHBORS: usize = 10;
 
 /// Number of points at which the spread is measured.
 const SPREAD_SAMPLES: usize = 512;
 
-/// Share of the least variance in the sum of all three from which on points do not lie on a surface: points in a volume reach a
-/// quarter, points of a surface with noise of half their spacing a twentieth.
+/// Share of the least variance in the sum of all three above which points do not lie on a surface. Points in a volume
+/// reach a quarter; points of a surface with noise of half their spacing reach a twentieth.
 const VOLUME_SPREAD: f64 = 0.12;
 
 /// Outward normals at the faces, edges and vertices of a mesh, or at the points of a cloud.
 ///
-/// At an edge or vertex the normal is the sum of those of its faces, at a vertex weighted by their angles. The sign of its
-/// product with the offset of a point whose closest point lies there tells the side of that point (`baerentzen2005`).
+/// At an edge the normal is the sum of those of its faces, at a vertex their sum weighted by the angles. Let c be the
+/// closest point to x: the sign of the product of `x − c` with the normal at c is the side of x (`baerentzen2005`).
 pub struct SurfaceSides {
-    /// Triangles, by their corners, whose corners run clockwise seen from outside.
+    /// Corners of the triangles that run clockwise seen from outside.
     turned: HashSet<[u32; 3]>,
     edges: HashMap<(u32, u32), [f64; 3]>,
     vertices: Vec<[f64; 3]>,
@@ -36,8 +36,8 @@ pub struct SurfaceSides {
 }
 
 impl SurfaceSides {
-    /// Finds the sides of a surface. Triangles that enclose a volume keep their order, up to the sign of the volume; others
-    /// follow the outward normals of their corners, `outward`, one per welded vertex. O(n).
+    /// Finds the sides of a surface. Triangles that enclose a volume keep their orientation, up to the sign of the
+    /// volume; others follow the outward normals of their corners, `outward`, one per welded vertex. O(n).
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -81,7 +81,7 @@ impl SurfaceSides {
         Ok(sides)
     }
 
-    /// Outward normal at a closest point of the surface, of any length.
+    /// Outward normal at a closest point of the surface; not a unit vector.
     pub fn normal(&self, closest: &ClosestPoint) -> [f64; 3] {
         let at: Vec<u32> = (0..3).filter(|&k| closest.weights[k] > 0.0).map(|k| closest.corners[k]).collect();
         match at[..] {
@@ -95,23 +95,24 @@ impl SurfaceSides {
 
 /// Source of the signs of the distances from a shape to another one.
 pub enum Signs {
-    /// Normals of the shape, one per point: positive where the other shape lies on their side.
+    /// Outward normals of the shape, one per point: positive where the other shape lies on their side.
     Own(Vec<[f64; 3]>),
-    /// Inside and outside of the other shape: positive inside of it, where its surface lies outside.
+    /// Inside and outside of the other shape: positive where a point is inside of it, so that its surface lies farther
+    /// out.
     Other(Box<SurfaceSides>),
     /// Neither shape has an outside: no distance is negative.
     Nothing,
 }
 
 impl Signs {
-    /// Chooses for the distances from `shape` to `other`, given the normals in their files, one per vertex.
-    ///
-    /// A mesh with an outside uses its own. Otherwise the other shape decides if it encloses a volume. Otherwise, a cloud whose
-    /// points lie on a surface ([`lies_on_a_surface`]) uses its own normals, and without them those of the other decide, if it is
-    /// a surface with an outside. O(n log n).
+    /// Chooses the signs of the distances from `shape` to `other`, given the normals in their files, one per vertex. A
+    /// mesh with an outside uses its own normals. For other shapes, `other` decides if it encloses a volume. Otherwise,
+    /// a cloud whose points lie on a surface ([`lies_on_a_surface`]) uses its own normals; without them, the normals of
+    /// `other` decide if it is a surface with an outside. O(n log n).
     ///
     /// # Errors
-    /// [`OutwardError`] for a graph, unless there is one normal per vertex, or if the call is cancelled.
+    /// [`OutwardError`] if `shape` is a graph, if the number of normals differs from that of the vertices, or if the
+    /// call is cancelled.
     pub fn choose(
         [shape, other]: [&PreparedGeometry; 2],
         [normals, other_normals]: [Option<&[f64]>; 2],
@@ -138,7 +139,7 @@ impl Signs {
         Ok(Self::Nothing)
     }
 
-    /// Gives a distance its sign: that of point `x`, whose closest point is `offset` away.
+    /// Applies the sign to the distance of point `x`, where `offset` leads from the point to its closest point.
     pub(crate) fn sign(&self, distance: f64, x: usize, offset: &[f64; 3], closest: &ClosestPoint) -> f64 {
         match self {
             Self::Own(normals) => distance.copysign(dot(offset, &normals[x])),
@@ -147,13 +148,13 @@ impl Signs {
         }
     }
 
-    /// Tells if distances have signs.
+    /// True if distances have signs.
     pub fn is_signed(&self) -> bool {
         !matches!(self, Self::Nothing)
     }
 }
 
-/// Tells if a shape is a mesh or a cloud whose points lie on a surface.
+/// True if a shape is a mesh or a cloud whose points lie on a surface.
 fn has_surface(shape: &PreparedGeometry) -> bool {
     match shape.shape() {
         Shape::Graph(_) => false,
@@ -161,15 +162,16 @@ fn has_surface(shape: &PreparedGeometry) -> bool {
     }
 }
 
-/// Six times the signed volume under the triangles.
+/// Six times the signed volume enclosed by the triangles.
 fn volume_of(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let Some(origin) = points.first() else { return 0.0 };
     let at = |x: u32| subtract(&points[x as usize], origin);
     triangles.iter().map(|&[a, b, c]| dot(&at(a), &cross(&at(b), &at(c)))).sum()
 }
 
-/// Tells if the points of a cloud lie on a surface, not in a volume: at most of 512 points the least variance of up to 40
-/// neighbors is below 0.12 of the sum of the three. O(n log n).
+/// True if the points of a cloud lie on a surface, not in a volume. The neighbors of a point, up to 40, spread over a
+/// surface if their least variance is below 0.12 of the sum of all three. The median over about 512 points decides. O(n
+/// log n).
 ///
 /// ```
 /// use adwave_register::lies_on_a_surface;

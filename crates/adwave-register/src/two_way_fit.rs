@@ -5,21 +5,22 @@ use crate::{ClosestPoint, Motion};
 use adwave::vector::{dot, norm, subtract};
 use rayon::prelude::*;
 
-/// Distance that counts as none, in mean spacings.
+/// Distance that counts as zero, in mean spacings.
 const PRECISION: f64 = 0.1;
-/// Largest precision, as a share of the extent: the vertices of machined parts are far apart.
+/// Largest precision, as a share of the extent: machined parts have vertices that are far apart.
 const MAX_PRECISION: f64 = 0.001;
 /// Distance at which a place is evidence against a motion, as a share of the extent.
 const MISFIT: f64 = 0.01;
-/// Cosine between normals below which two places are different sheets.
+/// Cosine between normals below which two places are on different sheets.
 const FACING: f64 = 0.3;
-/// Correlations of bands are read at places farther from borders than this multiple of σ.
+/// Distance from borders, in σ, beyond which places contribute to correlations of bands.
 const BORDER_SIGMAS: f64 = 1.0;
-/// Least standard deviation of a band, in mean spacings: finer relief, as that of a ball, is that of the triangles.
+/// Least standard deviation of a band, in mean spacings; finer relief, such as that of a ball, is that of the
+/// triangles.
 const LEAST_RELIEF: f64 = 0.01;
-/// Area that a band varies over, in σ².
+/// Area over which a band varies, in σ².
 const PATCH: f64 = 2.0 * std::f64::consts::PI;
-/// Least number of patches from which a correlation is read.
+/// Smallest number of patches from which a correlation is computed.
 const MIN_PATCHES: f64 = 8.0;
 
 /// Fit of two shapes under a motion, over samples of both that have a partner off the borders.
@@ -29,17 +30,17 @@ pub struct TwoWayFit {
     pub cost: f64,
     /// Median distance, in units of the second shape.
     pub median: f64,
-    /// Share of the samples with a partner, in [0, 1], of the shape with the larger share.
+    /// Share of the samples with a partner, in [0, 1]: the larger of the shares of both shapes.
     pub overlap: f64,
-    /// Share of these whose distance is evidence against the motion, in [0, 1].
+    /// Share of the samples with a partner whose distance is evidence against the motion, in [0, 1].
     pub conflict: f64,
     /// Distance that 99.5 % of the samples with a partner do not exceed, in units of the second shape.
     pub tail: f64,
-    /// True if the first shape fits with its other side outside. Only where an outside was guessed.
+    /// True if the first shape fits with its other side outside, which is possible only where an outside was guessed.
     pub is_flipped: bool,
-    /// Lower bound of the correlation of the bands at partners, on the level where it is highest.
+    /// Lower bound of the correlation of the bands at partners, on the level where the bound is highest.
     pub agreement: f64,
-    /// Information of the bands at partners about each other, in nats.
+    /// Mutual information of the bands at partners, in nats.
     pub information: f64,
 }
 
@@ -58,7 +59,7 @@ impl Default for TwoWayFit {
     }
 }
 
-/// A sample and its partner.
+/// A sample and its partner, the closest point of the other shape.
 struct Partner<'a> {
     sample: &'a SurfaceSample,
     closest: ClosestPoint,
@@ -66,7 +67,7 @@ struct Partner<'a> {
     cosine: f64,
     /// Distance in units of the second shape.
     distance: f64,
-    /// True if the sample is of the first shape.
+    /// True if the sample belongs to the first shape.
     is_forward: bool,
 }
 
@@ -133,12 +134,12 @@ pub(crate) fn two_way_fit(
 pub(crate) struct RoughFit {
     /// Distances of the samples with a partner, ascending, in units of the smaller extent.
     distances: Vec<f64>,
-    /// Share of the samples with a partner, of the shape with the larger share.
+    /// Share of the samples with a partner: the larger of the shares of both shapes.
     overlap: f64,
 }
 
 impl RoughFit {
-    /// Measures every `step`-th sample of both shapes.
+    /// Measures the distance of every `step`-th sample of both shapes.
     pub(crate) fn new(
         first: &RegistrandView<'_>,
         second: &RegistrandView<'_>,
@@ -171,8 +172,8 @@ impl RoughFit {
         self.distances.get(self.distances.len() / 2).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Evidence for the motion, relative to the distance `typical` of wrong ones: the mean of `−ln((d/typical)² + 0.01)`, at
-    /// least −1, times the root of the overlap.
+    /// Evidence for the motion, relative to the distance `typical` of wrong ones: the mean of
+    /// `−ln((d/typical)² + 0.01)`, each term at least −1, times the root of the overlap in excess of 3 %.
     pub(crate) fn gain(&self, typical: f64) -> f64 {
         let gain = |d: &f64| (-((d / typical).powi(2) + 0.01).ln()).max(-1.0);
         let mean = self.distances.iter().map(gain).sum::<f64>() / self.distances.len().max(1) as f64;
@@ -181,27 +182,29 @@ impl RoughFit {
     }
 }
 
-/// Distance that counts as none, in units of the second shape.
+/// Distance that counts as zero, in units of the second shape.
 pub(crate) fn precision(first: &RegistrandView<'_>, second: &RegistrandView<'_>, motion: &Motion) -> f64 {
     let spacing = (motion.scale() * first.shape.spacing).max(second.shape.spacing);
     let extent = (motion.scale() * first.shape.extent).min(second.shape.extent);
     (PRECISION * spacing).min(MAX_PRECISION * extent)
 }
 
-/// Units in which the bands of two shapes are compared.
+/// Factors by which the bands of two shapes become comparable.
 struct BandUnits {
     /// Scale of the motion.
     scale: f64,
     /// Area of a sample, in squared units of the second shape.
     area: f64,
-    /// Sign of the first shape's bands.
+    /// Sign by which the first shape's bands are multiplied.
     sign: f64,
 }
 
-/// Correlations of the bands at partners: the highest lower bound over the levels, and the information of all.
+/// Correlations of the bands at partners: the highest lower bound over the levels, and the information of all levels in
+/// nats.
 ///
-/// A place counts on a level if it lies within σ of its partner and both are off the borders by σ. With the correlation ρ over
-/// N independent patches the information is −N/2·ln(1 − ρ²).
+/// A sample counts on a level if it lies within σ of its partner and both are farther than σ from borders. With the
+/// correlation ρ over N independent patches, the information of a level is `−sign(ρ)·N/4·ln(1 − ρ²)`: half of that of
+/// independent levels, because neighboring levels share half of their content.
 fn band_agreement(
     shapes: [&RegistrandView<'_>; 2],
     partners: &[Partner<'_>],
@@ -264,7 +267,7 @@ fn band_agreement(
     (agreement, information)
 }
 
-/// Sums of a correlation about the means.
+/// Sums from which the correlation of two values is computed.
 #[derive(Default)]
 struct PearsonSums {
     n: f64,

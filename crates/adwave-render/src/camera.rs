@@ -5,7 +5,7 @@ use crate::params::{FARTHEST_FOCUS, Framing, Projection, RenderParams};
 use adwave::Progress;
 use adwave::vector::{Vector, dot, subtract};
 
-/// Rectangle of the picture, in pixels.
+/// Rectangle in the picture, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rect {
     pub(crate) left: f64,
@@ -21,32 +21,33 @@ pub(crate) struct Projected {
     pub(crate) x: f64,
     /// Pixels from the top.
     pub(crate) y: f64,
-    /// Nearness to the viewer in (0, 1]: grows toward the viewer and is linear over a plane in the picture.
+    /// Nearness to the viewer in (0, 1]; it grows toward the viewer and is linear over a plane in the picture.
     pub(crate) near: f64,
 }
 
-/// Camera that frames the balls it was fitted to.
+/// Camera that frames the balls for which it was fitted.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
     axes: [Vector; 3],
-    /// Origin of the camera's coordinates, in the model.
+    /// Origin of the camera's coordinates, in model coordinates.
     origin: Vector,
     unit: f64,
-    /// Position of the eye across the picture and its distance (perspective) or 0.
+    /// Position of the eye across the picture; `distance` is its distance from the origin (perspective) or 0
+    /// (orthographic).
     eye: [f64; 2],
     distance: f64,
-    /// Pixels per unit: at depth 1 (perspective) or everywhere (orthographic).
+    /// Pixels per unit, at a distance of 1 from the eye (perspective) or everywhere (orthographic).
     focal: f64,
     center: [f64; 2],
     /// Range of depths toward the viewer.
     depths: [f64; 2],
 }
 
-/// Smallest distance between the eye of a perspective camera and the shape, in diagonals of the shape; a nearer eye
+/// Smallest distance between the eye of a perspective camera and the shape, in diagonals of the shape. A nearer eye
 /// would distort the shape.
 const MIN_DISTANCE: f64 = 0.5;
 
-/// Balls processed between two checks of the progress handle.
+/// Number of balls processed between two checks of the progress handle.
 const CHECK_INTERVAL: usize = 1 << 14;
 
 /// Axis-aligned bounding box of balls.
@@ -72,7 +73,7 @@ impl BoundingBox {
     }
 }
 
-/// Tangents of half the field of view across and up; 0 for parallel rays.
+/// Tangents of half the field of view, horizontal and vertical; 0 for parallel rays.
 fn frustum_tangents(projection: Projection, rect: Rect) -> [f64; 2] {
     match projection {
         Projection::Orthographic => [0.0; 2],
@@ -85,8 +86,8 @@ fn frustum_tangents(projection: Projection, rect: Rect) -> [f64; 2] {
 }
 
 impl Camera {
-    /// Fits a camera for `params.view` that shows all balls (center and radius) as large as possible inside `rect`,
-    /// or the part of that picture selected by `params.framing`. O(n).
+    /// Fits a camera for `params.view` that shows all balls (center and radius) as large as possible inside `rect`, or
+    /// that shows the part of this picture selected by `params.framing`. O(n).
     pub(crate) fn fit(
         balls: &[(Vector, f64)],
         params: &RenderParams,
@@ -156,8 +157,7 @@ impl Camera {
         Ok(camera)
     }
 
-    /// Zooms to a part of the picture with a longer lens from the same distance, so that no point gets behind the
-    /// eye.
+    /// Zooms to a part of the picture with a longer lens from the same distance, so that no point is behind the eye.
     fn apply_framing(&mut self, framing: &Framing, rect: Rect) -> Result<(), RenderError> {
         let middle = [rect.left + rect.width / 2.0, rect.top + rect.height / 2.0];
         if let Some(focus) = framing.focus {
@@ -174,7 +174,7 @@ impl Camera {
         Ok(())
     }
 
-    /// Position in the viewer's axes relative to the origin, in units.
+    /// Transforms a position to the viewer's axes, relative to the origin and in units of the camera.
     fn to_view(&self, p: &Vector) -> Vector {
         let d = subtract(p, &self.origin).map(|c| c / self.unit);
         self.axes.map(|axis| dot(&axis, &d))
@@ -199,20 +199,21 @@ impl Camera {
         }
     }
 
-    /// Pixels spanned by a radius at `p`, and the difference in nearness between its center and its foremost point.
+    /// Pixels spanned by a radius at `p`, and the difference in nearness between the center of a ball there and its
+    /// foremost point.
     pub(crate) fn radius(&self, p: &Vector, radius: f64) -> (f64, f64) {
         let depth = self.to_view(p)[2];
         let r = radius / self.unit;
         (r * self.scale(depth), self.near(depth + r) - self.near(depth))
     }
 
-    /// Pixels per unit at this depth.
+    /// Pixels per unit at a depth.
     fn scale(&self, depth: f64) -> f64 {
         if self.is_perspective() { self.focal / (self.distance - depth).max(1e-6) } else { self.focal }
     }
 
-    /// Nearness, linear over a plane in the picture: the depth itself for parallel rays, the inverse distance for
-    /// rays from an eye.
+    /// Nearness of a depth, linear over a plane in the picture: the depth itself for parallel rays, the inverse
+    /// distance for rays from an eye.
     fn near(&self, depth: f64) -> f64 {
         if self.is_perspective() {
             ((self.distance - self.depths[1]) / (self.distance - depth)).max(1e-6)
@@ -221,7 +222,7 @@ impl Camera {
         }
     }
 
-    /// Depth toward the viewer in pixels, computed from [`Projected::near`]; shading needs the same unit across and
+    /// Depth toward the viewer in pixels, computed from [`Projected::near`]. Shading needs the same unit across and
     /// along the view.
     pub(crate) fn depth_in_pixels(&self, near: f64) -> f64 {
         let depth = if self.is_perspective() {
@@ -232,7 +233,7 @@ impl Camera {
         depth * self.pixels_per_unit()
     }
 
-    /// Pixels per diagonal of the framed shape, at its middle.
+    /// Pixels per diagonal of the framed shape, at the middle of the shape.
     pub(crate) fn pixels_per_unit(&self) -> f64 {
         self.scale(0.0)
     }

@@ -1,4 +1,4 @@
-//! Color bar: shows which color stands for which value.
+//! Color bar, which shows the value of each color.
 
 use crate::color_range::ColorScale;
 use crate::picture::Picture;
@@ -11,20 +11,20 @@ pub(crate) const INK: [u8; 3] = [38, 42, 48];
 /// Position of the bar in the picture, in pixels, and its labels.
 #[derive(Debug)]
 pub(crate) struct Bar {
-    /// Left edge of the bar's part of the picture.
+    /// Left edge of the area of the bar and its labels.
     pub(crate) left_edge: f64,
     pub(crate) left: f64,
     pub(crate) top: f64,
     pub(crate) thick: f64,
     pub(crate) tall: f64,
     pub(crate) gap: f64,
-    /// Font size.
+    /// Font size, in pixels.
     pub(crate) size: f32,
     pub(crate) label: String,
     pub(crate) ticks: Ticks,
 }
 
-/// Draws the bar with `high` at the top; an arrowhead at an end marks values beyond it.
+/// Draws the bar with `high` at the top; an arrowhead at an end marks the existence of values beyond it.
 pub(crate) fn draw(picture: &mut Picture, bar: &Bar, scale: &ColorScale) {
     let (left, top) = (bar.left.round() as i64, bar.top.round() as i64);
     let (thick, tall) = (bar.thick.round().max(1.0) as i64, bar.tall.round().max(2.0) as i64);

@@ -17,7 +17,7 @@ impl std::fmt::Debug for Source {
     }
 }
 
-/// Color maps by name: first perceptually uniform ones, then diverging ones.
+/// Color maps by name: first sequential maps, then diverging maps.
 const MAPS: [(&str, Source); 12] = [
     ("viridis", Source::Library(colorous::VIRIDIS)),
     ("magma", Source::Library(colorous::MAGMA)),
@@ -66,7 +66,7 @@ impl ColorMap {
         MAPS.iter().find(|m| m.0 == name).map(|&(name, source)| Self { name, source })
     }
 
-    /// Color map whose name is known to be in the list.
+    /// Returns a color map whose name is known to be in the list.
     pub(crate) fn built_in(name: &str) -> Self {
         Self::from_name(name).expect("the name is in the list")
     }
@@ -89,16 +89,16 @@ impl ColorMap {
         }
     }
 
-    /// Maps each value to a color; values at or below `low` get one end of the map, values at or above `high` the
-    /// other.
+    /// Maps each value to a color, three bytes each. Values at or below `low` get one end of the map, values at or
+    /// above `high` the other.
     pub fn colors(&self, values: &[f64], low: f64, high: f64) -> Vec<u8> {
         let span = if high > low { high - low } else { 1.0 };
         values.iter().flat_map(|v| self.color((v - low) / span)).collect()
     }
 }
 
-/// Quantiles of the finite values at the fractions `low` and `high` (in [0, 1]): a color range that is robust against
-/// a few extreme values. Returns (0, 1) if no value is finite. O(n log n).
+/// Quantiles of the finite values at the fractions `low` and `high` (in [0, 1]), as a color range that is robust
+/// against a few extreme values. Returns (0, 1) if no value is finite. O(n log n).
 ///
 /// ```
 /// use adwave_render::value_range;

@@ -7,19 +7,19 @@ use crate::surface::FieldPaint;
 /// Fraction of the values that may lie outside an automatic range at each end.
 const TAIL: f64 = 0.01;
 
-/// Ratio of a field's smaller to its larger side from which it counts as having both signs; below it the crossing of
-/// 0 is noise.
+/// Ratio of the smaller to the larger magnitude of a range's ends above which the range counts as having both signs;
+/// below it the change of sign is noise.
 const BOTH_SIGNS: f64 = 0.1;
 
 /// Values at the ends of the color map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum ValueRange {
-    /// The 1st and the 99th percentile, or all values if few of them differ; symmetric about 0 for a field of both
-    /// signs.
+    /// Range from the 1st to the 99th percentile, or of all values if few of them differ; symmetric about 0 for a field
+    /// of both signs.
     #[default]
     Auto,
-    /// These two values.
+    /// Range from the first to the second value.
     Fixed(f64, f64),
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct ColorScale {
 }
 
 impl ColorScale {
-    /// Color scale shared by several fields: one range for all their values.
+    /// Creates a color scale shared by several fields: one range for all their values.
     pub(crate) fn from_fields(fields: &[&FieldPaint]) -> Self {
         let values: Vec<f64> = fields.iter().flat_map(|f| f.values.iter().copied()).collect();
         let (least, most) = value_range(&values, 0.0, 1.0);
@@ -67,7 +67,7 @@ impl ColorScale {
         (self.map, self.low, self.high) == (other.map, other.low, other.high)
     }
 
-    /// Relative position of a value between the ends: 0 to 1 inside.
+    /// Relative position of a value between the ends, in [0, 1] inside the range.
     pub(crate) fn position(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
@@ -77,7 +77,7 @@ fn both_signs(low: f64, high: f64) -> bool {
     low < 0.0 && high > 0.0 && -low > BOTH_SIGNS * high && high > BOTH_SIGNS * -low
 }
 
-/// Range that is robust against a few extreme values.
+/// Chooses a range that is robust against a few extreme values.
 fn automatic(values: &[f64]) -> (f64, f64) {
     let (least, most) = value_range(values, 0.0, 1.0);
     let (mut low, mut high) = value_range(values, TAIL, 1.0 - TAIL);

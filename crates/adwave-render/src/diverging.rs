@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_3;
 use std::sync::LazyLock;
 
-/// Ends of the map, sRGB in [0, 1].
+/// Colors at the ends of the map, sRGB in [0, 1].
 const COOL: [f64; 3] = [0.230, 0.299, 0.754];
 const WARM: [f64; 3] = [0.706, 0.016, 0.150];
 
-/// Magnitude of the white in the middle.
+/// Magnitude of the white in the middle of the map.
 const WHITE: f64 = 88.0;
 
 /// CIE XYZ of the white of sRGB (D65).
@@ -27,7 +27,7 @@ const FROM_XYZ: [[f64; 3]; 3] = [
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// Number of table entries, finer than the resolution of a byte.
+/// Number of steps of the table, finer than the resolution of a byte.
 const STEPS: usize = 1024;
 
 /// Magnitude, saturation and hue: CIE L*a*b* in polar coordinates around black.
@@ -38,10 +38,10 @@ struct Msh {
     hue: f64,
 }
 
-/// The color at `t` in [0, 1]: blue at 0, white at 0.5, red at 1.
+/// Color at `t` in [0, 1]: blue at 0, white at 0.5, red at 1.
 ///
-/// Source: Moreland, "Diverging color maps for scientific visualization", 2009: each half is a straight line in (M,
-/// s, h) from a saturated end to a white whose hue is shifted so that colors change at an even rate.
+/// Source: Moreland, "Diverging color maps for scientific visualization", 2009. Each half is a straight line in (M, s,
+/// h) from a saturated end to a white whose hue is shifted so that colors change at an even rate.
 pub(crate) fn coolwarm(t: f64) -> [u8; 3] {
     static TABLE: LazyLock<Vec<[u8; 3]>> =
         LazyLock::new(|| (0..=STEPS).map(|k| interpolate(k as f64 / STEPS as f64)).collect());

@@ -4,7 +4,7 @@ use crate::view::{UpError, ViewError};
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Reasons for which a picture cannot be drawn.
+/// Reason for which a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RenderError {

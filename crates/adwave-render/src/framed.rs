@@ -1,4 +1,4 @@
-//! The part of a surface that is worth a picture: without a few vertices so far away that the rest would be a dot.
+//! Main part of a surface, without a few vertices that are so far away that the rest would be a dot in the picture.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use crate::params::Frame;
 use crate::surface::{FieldPaint, Paint, Surface};
 use adwave::shape::picture_frame;
 
-/// A surface without what lies outside its frame.
+/// Surface without the vertices and triangles outside its frame.
 pub(crate) struct FramedSurface<'a> {
     points: Cow<'a, [[f64; 3]]>,
     triangles: Cow<'a, [[u32; 3]]>,
@@ -51,7 +51,7 @@ impl<'a> FramedSurface<'a> {
         }
     }
 
-    /// The surface to draw.
+    /// Returns the surface to draw.
     pub(crate) fn surface(&self) -> Surface<'_> {
         let paint = match &self.paint {
             FramedPaint::Plain(color) => Paint::Plain(*color),
@@ -66,7 +66,7 @@ impl<'a> FramedSurface<'a> {
 }
 
 impl Surface<'_> {
-    /// Number of vertices that a picture with `frame` leaves out, of those that would be visible. O(n).
+    /// Number of visible vertices that a picture with `frame` leaves out. O(n).
     ///
     /// ```
     /// use adwave_render::{Frame, Paint, Surface};
@@ -82,7 +82,7 @@ impl Surface<'_> {
     }
 }
 
-/// Vertices that triangles use; `None` for a cloud.
+/// Marks the vertices that triangles use; `None` for a cloud.
 fn used_vertices(surface: &Surface<'_>) -> Option<Vec<bool>> {
     if surface.triangles.is_empty() {
         return None;
@@ -94,7 +94,7 @@ fn used_vertices(surface: &Surface<'_>) -> Option<Vec<bool>> {
     Some(used)
 }
 
-/// Vertices inside the frame; `None` if all are.
+/// Lists the used vertices inside the frame; `None` if all of them are.
 fn kept_vertices(surface: &Surface<'_>, frame: Frame) -> Option<Vec<usize>> {
     if frame == Frame::All {
         return None;

@@ -18,9 +18,9 @@ use adwave::Progress;
 pub struct Panel<'a> {
     /// Surface to draw.
     pub surface: Surface<'a>,
-    /// Balls that mark positions.
+    /// Balls that mark positions on the surface.
     pub balls: Vec<Ball>,
-    /// Text below the picture; no line is reserved if it is empty.
+    /// Text below the picture. If any panel of the sheet has a caption, every panel reserves a line for it.
     pub caption: String,
 }
 
@@ -35,15 +35,15 @@ pub enum SharedCamera {
     Own,
 }
 
-/// Draws a sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider if all panels share
-/// one color bar.
+/// Draws a sheet of panels in rows of `columns`, each panel of the size in `params`. The sheet is wider if all panels
+/// share one color bar.
 ///
-/// Fields with the same name and an automatic range share one color range. If all panels share it, a single color bar
-/// is drawn at the right. Captions are drawn below the panels and make the sheet higher.
+/// Fields with equal names and an automatic range share one color range. If all panels share it, a single color bar is
+/// drawn at the right. Captions are drawn below the panels and make the sheet higher.
 ///
 /// # Errors
 ///
-/// The errors of [`crate::render`]; no panels or columns; a sheet of more than [`crate::MAX_PIXELS`].
+/// The errors of [`crate::render`], a sheet without panels or columns, and a sheet of more than [`crate::MAX_PIXELS`].
 pub fn grid(
     panels: &[Panel],
     columns: usize,
@@ -128,7 +128,7 @@ pub fn grid(
     Ok(sheet)
 }
 
-/// Pixels along a side of the sheet: `n_panels` times `pixels` and `more`; the largest number on overflow.
+/// Number of pixels along a side of the sheet: `n_panels` times `pixels`, plus `more`; the largest number on overflow.
 fn sheet_side(n_panels: usize, pixels: u32, more: u32) -> u32 {
     let panels = u32::try_from(n_panels).ok().and_then(|n| n.checked_mul(pixels));
     panels.and_then(|n| n.checked_add(more)).unwrap_or(u32::MAX)
@@ -150,7 +150,8 @@ fn field<'a>(panel: &'a Panel) -> Option<&'a FieldPaint<'a>> {
     }
 }
 
-/// Color scale of a panel's field: its own range, or the range shared by all fields of that name without one.
+/// Color scale of a panel's field: its own fixed range, or the range shared by all fields of that name with an
+/// automatic range.
 fn scale_of(panel: &Panel, panels: &[Panel]) -> Option<ColorScale> {
     let own = field(panel)?;
     if own.range != ValueRange::Auto {

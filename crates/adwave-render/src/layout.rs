@@ -11,8 +11,8 @@ use crate::ticks::Ticks;
 const LETTERS: f64 = 22.0;
 const USUAL_SIDE: f64 = 900.0;
 
-/// Exponent with which the font size follows the picture size; text shrinks less than pictures, so that it stays
-/// legible in small panels.
+/// Exponent of the picture size in the font size. Text shrinks less than pictures, so that it stays legible in small
+/// panels.
 const SHRINKING: f64 = 0.6;
 const SMALLEST_LETTERS: f64 = 11.0;
 
@@ -22,28 +22,28 @@ pub(crate) const MARGIN: f64 = 0.035;
 /// Largest fraction of a picture's width that a color bar may take.
 const MAX_FOR_BAR: f64 = 0.4;
 
-/// Smallest height of a picture with text, in font sizes.
+/// Smallest side of a picture with text, in font sizes.
 const MIN_LETTERS: f64 = 7.0;
 
 /// Areas of one picture.
 #[derive(Debug)]
 pub(crate) struct Layout {
-    /// Area of the shape.
+    /// Area of the shape, in pixels.
     pub(crate) stage: Rect,
     /// Width and height of the area left of the color bar and above the caption, in pixels.
     pub(crate) room: [u32; 2],
-    /// Color bar.
+    /// Color bar, if there is room for it.
     pub(crate) bar: Option<Bar>,
-    /// Caption: its line, font size and position.
+    /// Caption: text, font size, left edge, and vertical middle of the line, in pixels.
     pub(crate) caption: Option<(String, f32, f32, f32)>,
 }
 
-/// Font size for pictures of this size, in pixels.
+/// Font size for pictures of a size, in pixels.
 pub(crate) fn letter_size(width: f64, height: f64) -> f64 {
     (LETTERS * (width.min(height) / USUAL_SIDE).powf(SHRINKING)).max(SMALLEST_LETTERS)
 }
 
-/// Height of a caption in this font size, in pixels.
+/// Height of a caption in a font size, in pixels.
 pub(crate) fn caption_height(size: f64) -> f64 {
     2.0 * size
 }
@@ -77,7 +77,7 @@ impl Layout {
     }
 }
 
-/// Color bar at the right border of `width` × `height` pixels; `None` if it would leave no room for the shape.
+/// Color bar at the right border of `width` × `height` pixels; `None` if the bar would leave no room for the shape.
 pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height: f64) -> Option<Bar> {
     let ticks = Ticks::new(scale.low, scale.high);
     let letters = size as f32;

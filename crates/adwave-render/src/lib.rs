@@ -1,9 +1,14 @@
 //! Pictures of shapes and fields, and charts, without a display or a graphics driver.
 //!
-//! [`render`] draws one [`Surface`], [`grid`] draws several on one sheet. The stages of a picture are: normals of the
-//! shape's corners (`normals`) or discs for a cloud (`splats`); a curve is drawn as tubes (`tubes`); framing by the camera (`camera`), a z-buffer that
-//! finds the primitive of each sample (`raster`), lighting and colors (`scene`, `shade`), darkening of enclosed
-//! regions (`occlusion`), and finally color bar and text (`color_bar`, `ticks`, `text`).
+//! [`render`] draws one [`Surface`], [`grid`] draws several on one sheet. The stages of a picture are:
+//!
+//! - normals of the corners of a mesh (`normals`), discs for the points of a cloud (`splats`), or tubes for a curve
+//!   (`tubes`),
+//! - framing by the camera (`camera`),
+//! - a z-buffer that finds the primitive of each sample (`raster`),
+//! - lighting and colors (`scene`, `shade`),
+//! - darkening of enclosed regions (`occlusion`),
+//! - color bar and text (`color_bar`, `ticks`, `text`).
 
 mod camera;
 mod color_bar;

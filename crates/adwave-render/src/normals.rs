@@ -1,11 +1,11 @@
-//! Vertex normals of a mesh for smooth shading that keeps edges sharp.
+//! Vertex normals of a mesh, for smooth shading that keeps edges sharp.
 
 use adwave::vector::{Vector, add_scaled, cross, dot, subtract, unit};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Indexed normals for the corners of the triangles.
+/// Normals of the corners of the triangles, stored by index.
 #[derive(Debug)]
 pub(crate) struct CornerNormals {
     /// Unit normals in the model's axes, oriented by the order of the triangle's corners; zero for triangles without
@@ -15,11 +15,11 @@ pub(crate) struct CornerNormals {
     pub(crate) of: Vec<[u32; 3]>,
 }
 
-/// Vertices or corners processed between two checks of the progress handle.
+/// Number of vertices or corners processed between two checks of the progress handle.
 const CHECK_INTERVAL: usize = 1 << 14;
 
-/// Computes corner normals as angle-weighted means over the faces at a vertex; a mean includes only the faces that
-/// meet the corner's own face at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
+/// Computes corner normals as angle-weighted means over the faces at a vertex. A mean includes only the faces that meet
+/// the corner's own face at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
 ///
 /// Vertices at equal positions count as one, so that the seams of files with duplicated vertices are invisible.
 ///
@@ -108,7 +108,7 @@ fn corner_angle(points: &[Vector], triangle: &[u32; 3], corner: u32) -> f64 {
     }
 }
 
-/// Class index for each vertex, equal for vertices at equal positions.
+/// Finds the class of each vertex, equal for vertices at equal positions.
 fn positions(points: &[Vector], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
     let mut class = Vec::with_capacity(points.len());
@@ -123,7 +123,7 @@ fn positions(points: &[Vector], progress: Progress<'_>) -> Result<Vec<u32>, Canc
     Ok(class)
 }
 
-/// Corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
+/// Lists the corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
 fn corners_at(
     class: &[u32],
     triangles: &[[u32; 3]],

@@ -1,10 +1,10 @@
-//! Ambient occlusion: points that see little of the sky are darkened, ridges are slightly brightened.
+//! Ambient occlusion: points that see little of the sky are darkened, and ridges are slightly brightened.
 
 use crate::vector::{Direction, dot_f32};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Foremost surface of each pixel.
+/// Foremost surface at each pixel, row by row.
 pub(crate) struct DepthBuffer {
     pub(crate) width: usize,
     pub(crate) height: usize,
@@ -13,7 +13,7 @@ pub(crate) struct DepthBuffer {
     pub(crate) normal: Vec<Direction>,
 }
 
-/// SurfaceKind of surface, which selects the shading of ridges.
+/// Kind of surface, which selects the shading of ridges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SurfaceKind {
     /// Smooth surface: ridges and creases are emphasized.
@@ -22,22 +22,24 @@ pub(crate) enum SurfaceKind {
     Cloud,
 }
 
-/// Period of the sampling pattern in pixels, in both directions.
+/// Period of the sampling pattern, in pixels, in both directions.
 const PERIOD: usize = 4;
 
 /// Number of sampled pixels around each pixel.
 const TAPS: usize = 20;
 
-/// Turns of the spiral of samples; coprime to [`TAPS`], so that no two samples are collinear with the center.
+/// Number of turns of the spiral of samples, coprime to [`TAPS`], so that no two samples are collinear with the center.
 const TURNS: f32 = 7.0;
 
-/// Fraction of the light that a closed cavity removes.
+/// Strength of the darkening: the light of a pixel is 1 minus twice this factor times the mean obscurance of its
+/// samples.
 const STRENGTH: f32 = 1.7;
 
-/// Smallest light of any pixel.
+/// Smallest fraction of light of a pixel.
 const DARKEST: f32 = 0.2;
 
-/// Weights of the blur to either side; together they cover one period of the pattern, so that it cancels.
+/// Weights of the blur from the center to either side; together they cover one period of the pattern, so that it
+/// cancels.
 const BLUR: [f32; 3] = [1.0, 1.0, 0.5];
 
 /// Strength of the light change at creases and ridges.
@@ -54,8 +56,8 @@ impl DepthBuffer {
 
     /// Computes the fraction of light that reaches each pixel from surroundings of `radius` pixels.
     ///
-    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 instead
-    /// of random rotations, and a depth-aware blur over exactly that pattern.
+    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012. A fixed pattern of 4 × 4 pixels replaces
+    /// the random rotations, and a depth-aware blur covers exactly that pattern.
     pub(crate) fn light(
         &self,
         radius: f32,
@@ -127,7 +129,7 @@ impl DepthBuffer {
         (1.0 - 2.0 * STRENGTH * sum / TAPS as f32).clamp(DARKEST, 1.0)
     }
 
-    /// Light factor above 1 on ridges and below 1 in creases, from the change of the normals between pixels.
+    /// Light factor, above 1 on ridges and below 1 in creases, from the change of the normals between pixels.
     fn ridge(&self, x: i32, y: i32, k: usize) -> f32 {
         let turn = |dx: i32, dy: i32, axis: usize| {
             let pair = (self.depth_at(x + dx, y + dy), self.depth_at(x - dx, y - dy));
@@ -145,7 +147,7 @@ impl DepthBuffer {
     }
 }
 
-/// Sample offsets for each pixel of the pattern: a spiral, rotated slightly from pixel to pixel.
+/// Sample offsets for each pixel of the pattern, in pixels: a spiral, rotated slightly from pixel to pixel.
 fn taps(radius: f32) -> Vec<[[i32; 2]; TAPS]> {
     let turned = |pixel: usize| {
         // Steps of 11 of 16, so that neighboring pixels differ strongly.

@@ -3,7 +3,7 @@
 use crate::error::RenderError;
 use crate::view::{Up, View};
 
-/// Largest number of pixels of a picture: an 8K screen. Drawing takes about 40 bytes per pixel.
+/// Largest number of pixels of a picture, that of an 8K screen. Drawing takes about 40 bytes per pixel.
 pub const MAX_PIXELS: u64 = 7680 * 4320;
 
 /// Largest number of pixels per side of a picture.
@@ -35,9 +35,9 @@ impl Background {
 pub enum Projection {
     /// Parallel rays: equal lengths appear equal at any depth.
     Orthographic,
-    /// Rays from the eye; the field of view along the picture's shorter side in degrees, above 0 and at most 90.
+    /// Rays from the eye.
     Perspective {
-        /// Field of view in degrees.
+        /// Field of view along the picture's shorter side, in degrees, above 0 and at most 90.
         field_of_view: f64,
     },
 }
@@ -62,11 +62,11 @@ impl Default for Framing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Frame {
-    /// All but placeholders and a few that are so far away that the rest would fill less than half of the picture
-    /// ([`adwave::shape::picture_frame`]).
+    /// All vertices but placeholders and a few that are so far away that the rest would fill less than half of the
+    /// picture ([`adwave::shape::picture_frame`]).
     #[default]
     Main,
-    /// All.
+    /// All vertices.
     All,
 }
 
@@ -78,8 +78,8 @@ adwave::named_values!(Frame, "frame", {
 /// Largest distance between the focus and the middle of the shape, in diagonals of the shape.
 pub(crate) const FARTHEST_FOCUS: f64 = 10.0;
 
-/// Cap on the samples along a picture's longer side times zoom: the rasterizer would misplace corners beyond its
-/// integer range.
+/// Largest number of samples along a picture's longer side times zoom. Beyond it the rasterizer would misplace corners
+/// outside its integer range.
 const MAX_ZOOMED_SAMPLES: f64 = 1e6;
 
 /// Visibility of a field's color bar.
@@ -89,7 +89,7 @@ pub enum ColorBar {
     /// Drawn beside the shape if there is room for it.
     #[default]
     Shown,
-    /// Not drawn; the shape gets the room.
+    /// Not drawn; the shape fills the space.
     Hidden,
 }
 
@@ -115,14 +115,14 @@ pub struct RenderParams {
     pub background: Background,
     /// Visibility of a field's color bar.
     pub color_bar: ColorBar,
-    /// Dihedral angle from which edges are drawn sharp, in degrees from 0 (all edges) to 180 (none).
+    /// Dihedral angle above which edges are drawn sharp, in degrees from 0 (all edges) to 180 (none).
     pub crease_angle: f64,
-    /// Samples per pixel along each axis, 1 to 4; their mean smooths edges.
+    /// Number of samples per pixel along each axis, 1 to 4; their mean smooths edges.
     pub samples: u32,
 }
 
 impl Default for RenderParams {
-    /// 1200 × 900 pixels, three-quarter view with y up, mild perspective, white background.
+    /// Returns 1200 × 900 pixels, three-quarter view with y up, mild perspective, and white background.
     fn default() -> Self {
         Self {
             width: 1200,
@@ -201,7 +201,7 @@ impl RenderParams {
         Self { color_bar, ..self }
     }
 
-    /// Sets the angle from which edges are sharp, in degrees.
+    /// Sets the angle above which edges are sharp, in degrees.
     #[must_use]
     pub fn with_crease_angle(self, crease_angle: f64) -> Self {
         Self { crease_angle, ..self }
@@ -223,7 +223,8 @@ impl RenderParams {
     ///
     /// # Errors
     ///
-    /// A picture without pixels or with more than [`MAX_PIXELS`], a view or a parameter out of its range.
+    /// Returns a [`RenderError`] for a picture without pixels or with more than [`MAX_PIXELS`], and for a view or a
+    /// parameter out of its range.
     pub fn check(&self) -> Result<(), RenderError> {
         check_size(self.width, self.height)?;
         self.view.check()?;

@@ -6,14 +6,14 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, imageops};
 
-/// Picture with rows from the top; each pixel has red, green, blue and alpha, and the colors are not premultiplied.
+/// Picture with rows from the top. Each pixel has red, green, blue and alpha; the colors are not premultiplied.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// 4 × width × height bytes.
+    /// Pixels row by row, 4 × width × height bytes.
     pub rgba: Vec<u8>,
 }
 
@@ -22,13 +22,13 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// No pixels, or more than [`crate::MAX_PIXELS`].
+    /// A picture without pixels, or with more than [`crate::MAX_PIXELS`].
     pub fn blank(width: u32, height: u32, color: [u8; 4]) -> Result<Self, RenderError> {
         check_size(width, height)?;
         Ok(Self { width, height, rgba: color.repeat(width as usize * height as usize) })
     }
 
-    /// The pixel in column `x` and row `y`, both from 0 and inside.
+    /// Returns the pixel in column `x` and row `y`, both from 0 and inside the picture.
     pub fn pixel(&self, x: u32, y: u32) -> [u8; 4] {
         let at = 4 * (y as usize * self.width as usize + x as usize);
         [0, 1, 2, 3].map(|c| self.rgba[at + c])
@@ -38,7 +38,7 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// [`RenderError::Encoding`], which cannot occur for a picture of valid size.
+    /// [`RenderError::Encoding`], which cannot occur for a picture of a valid size.
     pub fn png(&self) -> Result<Vec<u8>, RenderError> {
         let mut bytes = Vec::new();
         let opaque = self.rgba.chunks_exact(4).all(|p| p[3] == 255);
@@ -66,7 +66,7 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Red, green and blue, blended over a background.
+    /// Returns red, green and blue of each pixel, blended over a background; 3 × width × height bytes.
     pub fn rgb(&self, background: [u8; 3]) -> Vec<u8> {
         let over = |p: &[u8]| {
             let alpha = u32::from(p[3]);
@@ -77,11 +77,11 @@ impl Picture {
         self.rgba.chunks_exact(4).flat_map(over).collect()
     }
 
-    /// Resizes the picture, with smoothing if it gets smaller.
+    /// Resizes the picture, with smoothing if it becomes smaller.
     ///
     /// # Errors
     ///
-    /// A size without pixels, or too many.
+    /// A size without pixels, or with more than [`crate::MAX_PIXELS`].
     pub fn resize(&self, width: u32, height: u32) -> Result<Self, RenderError> {
         check_size(width, height)?;
         let resized = imageops::resize(&self.image(), width, height, imageops::FilterType::CatmullRom);
@@ -108,7 +108,7 @@ impl Picture {
         Ok(Self { width, height, rgba: (top..top + height).flat_map(row).copied().collect() })
     }
 
-    /// Crops the borders that have the color of the upper left corner, except for `margin` pixels.
+    /// Crops the borders that have the color of the upper left corner, except for `margin` pixels on each side.
     #[must_use]
     pub fn trim_borders(&self, margin: u32) -> Self {
         let empty = self.pixel(0, 0);
@@ -128,7 +128,7 @@ impl Picture {
             .expect("the region lies inside the picture")
     }
 
-    /// Copies another picture into this one with its corner at (`left`, `top`); pixels outside are clipped.
+    /// Copies another picture into this one, with its upper left corner at (`left`, `top`); pixels outside are clipped.
     pub fn place(&mut self, other: &Self, left: u32, top: u32) {
         if left >= self.width || top >= self.height {
             return;
@@ -141,7 +141,7 @@ impl Picture {
         }
     }
 
-    /// Blends `color` into a pixel with this coverage in [0, 1]; positions outside are ignored.
+    /// Blends `color` into a pixel with a coverage in [0, 1]; positions outside the picture are ignored.
     pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
         if x < 0 || y < 0 || x >= i64::from(self.width) || y >= i64::from(self.height) || coverage <= 0.0 {
             return;

@@ -19,20 +19,20 @@ use adwave::vector::Vector;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Reach of ambient occlusion, in diagonals of the visible shape.
+/// Radius of ambient occlusion, in diagonals of the visible shape.
 const OCCLUSION_REACH: f32 = 0.07;
 
-/// Triangles or discs drawn between two checks of the progress handle.
+/// Number of triangles or discs drawn between two checks of the progress handle.
 const CHECK_INTERVAL: usize = 4096;
 
-/// Renders a surface with balls, framed as large as possible, with a color bar if it shows a field.
+/// Renders a surface and balls, framed as large as possible, with a color bar if the surface shows a field.
 ///
-/// O(n + width × height × samples²), in parallel; bit-identical on any number of threads.
+/// O(n + width × height × samples²), in parallel; the result is bit-identical on any number of threads.
 ///
 /// # Errors
 ///
-/// Sizes, views and parameters out of range; no points; coordinates that are not finite; triangles or paint that do
-/// not match the vertices; [`RenderError::Cancelled`].
+/// A [`RenderError`] for sizes, views and parameters out of range, for a surface without points, for coordinates that
+/// are not finite, for triangles or paint that do not match the vertices, and on cancellation.
 ///
 /// ```
 /// use adwave::Progress;
@@ -66,8 +66,8 @@ pub fn render(
     Ok(picture)
 }
 
-/// Clears the pixels outside `low` (inclusive) to `high` (exclusive), which belong to color bar and caption; a zoomed
-/// shape extends beyond the borders of the picture.
+/// Clears the pixels outside the area from `low` (inclusive) to `high` (exclusive), which belong to color bar and
+/// caption. A zoomed shape extends beyond its area.
 pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], params: &RenderParams) {
     if params.framing == Framing::default() {
         return;
@@ -82,12 +82,12 @@ pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], pa
     }
 }
 
-/// Surface with the camera-independent data of its picture.
+/// Surface with the parts of its picture that do not depend on the camera.
 pub(crate) struct PreparedSurface<'a> {
     pub(crate) surface: &'a Surface<'a>,
     pub(crate) balls: &'a [Ball],
     pub(crate) splats: Option<Splats>,
-    /// Balls that the camera frames: centers and radii.
+    /// Balls that the camera frames, as centers and radii in model units.
     pub(crate) framed: Vec<(Vector, f64)>,
 }
 
@@ -117,7 +117,7 @@ impl<'a> PreparedSurface<'a> {
         Ok(Self { surface, balls, splats, framed })
     }
 
-    /// Color scale of its field.
+    /// Color scale of the surface's field; `None` without a field.
     pub(crate) fn scale(&self) -> Option<ColorScale> {
         match &self.surface.paint {
             Paint::Field(field) => Some(ColorScale::from_fields(&[field])),
@@ -125,7 +125,7 @@ impl<'a> PreparedSurface<'a> {
         }
     }
 
-    /// Name of its field.
+    /// Name of the surface's field; `None` without a field.
     pub(crate) fn label(&self) -> Option<&str> {
         match &self.surface.paint {
             Paint::Field(field) => Some(&field.label),
@@ -133,7 +133,7 @@ impl<'a> PreparedSurface<'a> {
         }
     }
 
-    /// Draws the picture without color bar and text. `params` has been checked.
+    /// Draws the picture without color bar and text; `params` must have been checked.
     pub(crate) fn picture(
         &self,
         camera: &Camera,
@@ -212,7 +212,8 @@ fn draw(
     Ok(pixels)
 }
 
-/// Mean over a pixel's samples; samples of the same primitive are shaded once, at their middle.
+/// Mean color, depth and normal over a pixel's samples; samples of one primitive are shaded once, at their mean
+/// position.
 fn pixel(scene: &Scene, camera: &Camera, tile: &TileSamples, samples: usize, x: usize, y: usize) -> Pixel {
     let mut ids = [NOTHING; 16];
     let mut middle = [(0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32); 16];

@@ -1,4 +1,4 @@
-//! Shape prepared for one picture: projected, with normals and colors.
+//! Shape prepared for one picture: projected primitives with normals and colors.
 
 use crate::camera::Camera;
 use crate::color_range::ColorScale;
@@ -16,15 +16,16 @@ use rayon::prelude::*;
 /// Number of tabulated colors of a map.
 const MAP_STEPS: usize = 2048;
 
-/// Largest distance from the range, in widths of the range; values beyond it are clamped, so that interpolation does
-/// not overflow.
+/// Largest distance of a value from the color range, in widths of the range. Values beyond it are clamped, so that
+/// interpolation does not overflow.
 const FAR_OUT: f64 = 1e4;
 
 /// Linear color at each point of the surface.
 enum Pigment {
     Plain([f32; 3]),
     Colors(Vec<[f32; 3]>),
-    /// Positions in the color map, and its colors; the last one stands for missing values.
+    /// Position of each vertex's value in the color map, and the colors of the map; the last color represents missing
+    /// values.
     Field(Vec<f32>, Vec<[f32; 3]>),
 }
 
@@ -75,7 +76,7 @@ fn heaviest(w: [f32; 3]) -> usize {
     }
 }
 
-/// Appearance of a sample.
+/// Color and normal of a sample.
 pub(crate) struct ShadedSample {
     /// Linear color.
     pub(crate) color: [f32; 3],
@@ -92,7 +93,7 @@ enum Body<'a> {
     Cloud(Vec<Disc>),
 }
 
-/// Numbered primitives: those of the surface, then the balls.
+/// Primitives of a picture, by number: first those of the surface, then the balls.
 pub(crate) struct Scene<'a> {
     body: Body<'a>,
     pigment: Pigment,

@@ -1,4 +1,4 @@
-//! Lighting: brightness of a surface by its direction.
+//! Lighting: brightness of a surface as a function of its normal.
 
 use crate::vector::{Direction, dot_f32, facing_unit};
 
@@ -14,11 +14,11 @@ const KEY: Light = Light { toward: [-0.51, 0.62, 0.596], color: [1.02, 0.99, 0.9
 const FILL: Light = Light { toward: [0.82, 0.05, 0.57], color: [0.12, 0.135, 0.16] };
 /// Light from behind that draws a thin bright line along the outline.
 const RIM: Light = Light { toward: [0.42, 0.42, -0.805], color: [0.45, 0.46, 0.48] };
-/// Ambient light from all directions: from above and from below.
+/// Ambient light from above; that from below is `GROUND`.
 const SKY: [f32; 3] = [0.19, 0.20, 0.22];
 const GROUND: [f32; 3] = [0.07, 0.066, 0.062];
 
-/// Amount by which the key light wraps past the terminator, which softens it like a large lamp.
+/// Amount by which the key light extends past the terminator, which softens the terminator like a large lamp.
 const WRAP: f32 = 0.06;
 
 /// Strength and exponent of the reflection of the key light.
@@ -28,14 +28,14 @@ pub(crate) struct Gloss {
     pub(crate) exponent: i32,
 }
 
-/// Gloss that shows relief best.
+/// Gloss of plain surfaces, which shows relief best.
 pub(crate) const CLAY: Gloss = Gloss { strength: 0.09, exponent: 20 };
 /// Gloss for colors that encode values; it does not whiten them.
 pub(crate) const MATTE: Gloss = Gloss { strength: 0.02, exponent: 20 };
 /// Gloss of balls.
 pub(crate) const GLOSSY: Gloss = Gloss { strength: 0.22, exponent: 40 };
 
-/// Light that a surface of this linear color and normal sends to the viewer, linear.
+/// Linear light that a surface with a normal and a linear color sends to the viewer.
 pub(crate) fn reflect(normal: Direction, color: [f32; 3], gloss: Gloss) -> [f32; 3] {
     // Interpolated normals may point away from the viewer at the outline.
     let n = facing_unit(&[normal[0], normal[1], normal[2].max(0.02)]);
@@ -52,7 +52,7 @@ pub(crate) fn reflect(normal: Direction, color: [f32; 3], gloss: Gloss) -> [f32;
     })
 }
 
-/// Converts a byte of sRGB to linear light, IEC 61966-2-1.
+/// Converts a color from bytes of sRGB to linear light (IEC 61966-2-1).
 pub(crate) fn to_linear(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| {
         let c = f32::from(c) / 255.0;

@@ -9,11 +9,10 @@ use rayon::prelude::*;
 /// Number of neighbors that determine the size and the direction of a disc.
 const NEIGHBORS: usize = 12;
 
-/// Radius of a disc as a multiple of the distance to the median neighbor: wide enough that evenly sampled discs leave
-/// no gaps.
+/// Radius of a disc as a multiple of the local spacing, wide enough that evenly sampled discs leave no gaps.
 const OVERLAP: f64 = 0.95;
 
-/// Largest radius as a multiple of the median radius: an isolated point must not hide the others.
+/// Largest radius as a multiple of the median radius, so that an isolated point does not hide the others.
 const LARGEST: f64 = 3.0;
 
 /// Radius of a single disc, in diagonals of the shape.
@@ -24,7 +23,7 @@ const LONE: f64 = 0.02;
 pub(crate) struct Splats {
     /// Radii in model units.
     pub(crate) radii: Vec<f64>,
-    /// Unit vectors of either sign; zero if the neighbors determine no plane.
+    /// Unit normals of either sign; zero if the neighbors determine no plane.
     pub(crate) normals: Vec<Vector>,
 }
 

@@ -1,16 +1,16 @@
-//! Scene contents: a shape, its paint, and balls that mark positions.
+//! Content of a picture: a shape, its paint, and balls that mark positions.
 
 use crate::color_map::ColorMap;
 use crate::color_range::ValueRange;
 use crate::error::RenderError;
 use adwave::shape::MAX_COORDINATE;
 
-/// Mesh, or cloud if there are no triangles; a cloud is drawn as discs sized by its spacing.
+/// Mesh, or cloud if there are no triangles. A cloud is drawn as discs whose radii follow its spacing.
 #[derive(Clone, Debug)]
 pub struct Surface<'a> {
     /// Positions in model units.
     pub points: &'a [[f64; 3]],
-    /// Three vertices each, in either orientation; both sides are visible.
+    /// Three vertices of each triangle, in either orientation; both sides are visible.
     pub triangles: &'a [[u32; 3]],
     /// Colors of the surface.
     pub paint: Paint<'a>,
@@ -20,11 +20,11 @@ pub struct Surface<'a> {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Paint<'a> {
-    /// One color, red, green and blue.
+    /// One color: red, green and blue.
     Plain([u8; 3]),
-    /// A color for each vertex.
+    /// One color per vertex.
     Colors(&'a [[u8; 3]]),
-    /// One value per vertex with a color map.
+    /// One value per vertex, shown by a color map.
     Field(FieldPaint<'a>),
 }
 
@@ -40,7 +40,7 @@ pub struct FieldPaint<'a> {
     pub values: &'a [f64],
     /// Name and unit, for the color bar.
     pub label: String,
-    /// Color map; `None` selects a diverging map centered on 0 for a field of both signs, else viridis.
+    /// Color map; `None` selects a diverging map centered on 0 for a field of both signs, otherwise viridis.
     pub color_map: Option<ColorMap>,
     /// Values at the ends of the map.
     pub range: ValueRange,
@@ -62,8 +62,8 @@ impl Surface<'_> {
     ///
     /// # Errors
     ///
-    /// No points, coordinates that are not finite, triangles with vertices that do not exist, paint of another
-    /// length.
+    /// A surface without points, coordinates that are not finite or too large, triangles with vertices that do not
+    /// exist, and paint whose length differs from the number of vertices.
     pub fn check(&self) -> Result<(), RenderError> {
         let n = self.points.len();
         if n == 0 {

@@ -1,16 +1,16 @@
-//! Text in pictures.
+//! Drawing of text in pictures.
 
 use crate::picture::Picture;
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
-/// A plain sans-serif with Greek letters, and a fallback with nearly all other characters.
+/// Plain sans-serif font with Greek letters, and a fallback with nearly all other characters.
 static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
     [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR]
         .map(|bytes| FontRef::try_from_slice(bytes).expect("the built-in font is valid"))
 });
 
-/// Font that contains the letter, or the plain one if none does.
+/// Finds a font that contains the letter; the plain font if none does.
 fn font_of(letter: char) -> &'static FontRef<'static> {
     FONTS.iter().find(|f| f.glyph_id(letter).0 != 0).unwrap_or(&FONTS[0])
 }
@@ -35,12 +35,12 @@ fn letter_positions(text: &str, size: f32) -> (Vec<(char, f32)>, f32) {
     (letters, x)
 }
 
-/// Width of a line, in pixels.
+/// Width of a line of text, in pixels.
 pub(crate) fn width(text: &str, size: f32) -> f32 {
     letter_positions(text, size).1
 }
 
-/// Shortens the line at its end if it is wider than `most` pixels.
+/// Shortens a line of text at its end if it is wider than `most` pixels.
 pub(crate) fn shorten(text: &str, size: f32, most: f32) -> String {
     // No line of a picture has more letters than the widest picture has pixels.
     let mut letters: Vec<char> = text.chars().take(crate::params::MAX_SIDE as usize).collect();
@@ -58,7 +58,7 @@ pub(crate) fn shorten(text: &str, size: f32, most: f32) -> String {
     String::new()
 }
 
-/// Draws a line of text from (`left`, `middle`), with the height of its lowercase letters centered there.
+/// Draws a line of text from (`left`, `middle`) in pixels; its lowercase letters are vertically centered on `middle`.
 pub(crate) fn draw(picture: &mut Picture, text: &str, size: f32, left: f32, middle: f32, color: [u8; 3]) {
     let baseline = (middle + 0.26 * size).round();
     for (letter, x) in letter_positions(text, size).0 {

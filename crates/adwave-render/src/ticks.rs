@@ -1,12 +1,13 @@
-//! Round values along a range, with labels of the digits that the range needs.
+//! Round values along a range, with labels that have as many digits as the range needs.
 
 /// Approximate number of labels along a range.
 const TICKS: f64 = 5.0;
 
-/// Size of the values, in steps, from which labels count from an offset: five digits before the one that changes.
+/// Magnitude of the values, in steps, above which labels count from an offset: five digits before the digit that
+/// changes.
 const FAR: f64 = 1e5;
 
-/// Largest magnitude of an offset that is written without a power of ten.
+/// Magnitude below which an offset is written without a power of ten.
 const PLAIN: f64 = 1e15;
 
 /// Round values along a range.
@@ -14,12 +15,12 @@ const PLAIN: f64 = 1e15;
 pub(crate) struct Ticks {
     /// Values with their labels.
     pub(crate) marks: Vec<(f64, String)>,
-    /// Number to add to each label, such as `+ 1000000`, where the labels would have many digits in common.
+    /// Number to add to each label, such as `+ 1000000`, if the labels would have many digits in common.
     pub(crate) offset: Option<String>,
 }
 
 impl Ticks {
-    /// Multiples of 1, 2 or 5 times a power of ten between `low` and `high`.
+    /// Computes the multiples of 1, 2 or 5 times a power of ten between `low` and `high`.
     pub(crate) fn new(low: f64, high: f64) -> Self {
         let span = high - low;
         let rough = span / TICKS;
@@ -45,8 +46,8 @@ impl Ticks {
     }
 }
 
-/// Number from which labels count: the largest multiple of the power of ten above the range that does not exceed it; 0
-/// for a range whose labels are short enough.
+/// Number from which labels count: the largest multiple of the power of ten above the width of the range that does not
+/// exceed its lower end; 0 for a range whose labels are short enough.
 fn round_offset(low: f64, high: f64, step: f64) -> f64 {
     if low.abs().max(high.abs()) < FAR * step {
         return 0.0;
@@ -57,7 +58,7 @@ fn round_offset(low: f64, high: f64, step: f64) -> f64 {
     if offset.is_finite() { offset } else { 0.0 }
 }
 
-/// An offset with its sign, with all its digits.
+/// Formats an offset with its sign and all its digits.
 fn format_offset(offset: f64) -> String {
     let size = offset.abs();
     let number = if (1e-3..PLAIN).contains(&size) {
@@ -73,7 +74,7 @@ fn format_offset(offset: f64) -> String {
     format!("{} {number}", if offset < 0.0 { '−' } else { '+' })
 }
 
-/// Formats a value with the precision that steps of `step` need.
+/// Formats a value with the precision needed for steps of `step`.
 fn format_tick(value: f64, step: f64) -> String {
     let size = value.abs().max(step.abs());
     let text = if value == 0.0 {

@@ -1,24 +1,26 @@
-//! Tubes around the edges of a curve, by which it is drawn as round lines.
+//! Tubes around the edges of a curve, which is drawn as round lines.
 
 use adwave::vector::{Vector, add_scaled, cross, norm, subtract, unit};
 
 /// Number of sides of a tube.
 const SIDES: usize = 8;
 
-/// Rings of a ball between its poles.
+/// Number of rings of a ball between its poles.
 const RINGS: usize = 3;
 
-/// Number of edges from which tubes have three sides and no balls at their joints, so that a large network needs no
+/// Number of edges from which on tubes have three sides and no balls at their joints, so that a large network needs no
 /// more memory than a mesh of its size.
 const MANY_EDGES: usize = 100_000;
 
-/// Surface of tubes with a ball at each vertex. Each of its vertices belongs to a vertex of the curve.
+/// Surface of tubes with a ball at each vertex. Each vertex of this surface belongs to a vertex of the curve.
 ///
 /// ```
 /// use adwave_render::Tubes;
 /// let tubes = Tubes::new(&[[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]], 0.1);
 /// assert_eq!(tubes.points().len(), tubes.spread(&[7, 8]).len());
-/// let is_near = |p: &[f64; 3]| (p[1].hypot(p[2]) - 0.1).abs() < 1e-12 || !(0.0..=1.0).contains(&p[0]) || p[1].hypot(p[2]) < 0.1;
+/// let is_near = |p: &[f64; 3]| {
+///     (p[1].hypot(p[2]) - 0.1).abs() < 1e-12 || !(0.0..=1.0).contains(&p[0]) || p[1].hypot(p[2]) < 0.1
+/// };
 /// assert!(tubes.points().iter().all(is_near));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,8 +31,8 @@ pub struct Tubes {
 }
 
 impl Tubes {
-    /// Tubes of `radius` (model units) around the edges of the curve with vertices at `points`; each vertex has a ball.
-    /// Edges that name no vertex are left out. O(n).
+    /// Creates tubes of `radius` (model units) around the edges of the curve with vertices at `points`. Each vertex
+    /// gets a ball, except the joints of a large curve. Edges with an end that is no vertex are left out. O(n).
     pub fn new(points: &[Vector], edges: &[[u32; 2]], radius: f64) -> Self {
         let is_large = edges.len() >= MANY_EDGES;
         let n_sides = if is_large { 3 } else { SIDES };
@@ -61,15 +63,15 @@ impl Tubes {
         &self.points
     }
 
-    /// Triangles between the points.
+    /// Triangles, as indices of the points.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// Values of the vertices of the curve for each point.
+    /// Copies the values of the curve's vertices to the points of the tubes.
     ///
     /// # Panics
-    /// Unless there is a value for each vertex of the curve.
+    /// Panics if a vertex of the curve has no value.
     pub fn spread<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.owner.iter().map(|&x| values[x as usize]).collect()
     }
@@ -123,7 +125,7 @@ impl Tubes {
     }
 }
 
-/// A unit vector perpendicular to a unit vector.
+/// Unit vector perpendicular to a unit vector.
 fn perpendicular(along: &Vector) -> Vector {
     let smallest = (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
     let mut axis = [0.0; 3];

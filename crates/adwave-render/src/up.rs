@@ -1,4 +1,4 @@
-//! Guess of the axis that points up.
+//! Choice of the axis that points up.
 
 use crate::view::Up;
 use adwave::Progress;
@@ -8,18 +8,19 @@ use adwave::vector::Axis;
 /// Height relative to width and depth below which a shape may be terrain.
 const LOW: f64 = 0.25;
 
-/// Height relative to width and depth below which a shape is a flat drawing: it has no heights and is seen from
+/// Height relative to width and depth below which a shape is a flat drawing, which has no heights and is seen from
 /// above.
 const FLAT: f64 = 1e-3;
 
 impl Up {
-    /// Guesses z for a scan of terrain: it has a border or no faces (`is_open`), and its extent along z is less than
-    /// a quarter of those along x and y, but not negligible. Otherwise guesses y, the convention of most models.
+    /// Guesses z for a scan of terrain: it has a border or no faces (`is_open`), and its extent along z is less than a
+    /// quarter of its extents along x and y, but not negligible. Otherwise guesses y, the convention of most models.
     /// O(n).
     ///
     /// ```
     /// use adwave_render::Up;
-    /// let land: Vec<[f64; 3]> = (0..100).map(|i| [f64::from(i % 10), f64::from(i / 10), f64::from(i % 3) / 2.0]).collect();
+    /// let height = |i: i32| f64::from(i % 3) / 2.0;
+    /// let land: Vec<[f64; 3]> = (0..100).map(|i| [f64::from(i % 10), f64::from(i / 10), height(i)]).collect();
     /// assert_eq!(Up::guess(&land, || true), Up::Z);
     /// assert_eq!(Up::guess(&land, || false), Up::Y);
     /// ```
@@ -34,7 +35,7 @@ impl Up {
         if is_low && is_open() { Self::Z } else { Self::Y }
     }
 
-    /// `x`, `y` or `z`.
+    /// Name of the axis: `x`, `y` or `z`.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -44,21 +45,22 @@ impl Up {
     }
 }
 
-/// The reason for an axis to point up.
+/// Reason for which an axis points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpReason {
-    /// It was asked for.
+    /// The caller chose the axis.
     Asked,
-    /// It points up in all files of the format.
+    /// The axis points up in all files of the format.
     Format,
-    /// The shape is as low and open as land (see [`Up::guess`]).
+    /// The shape is as low and open as terrain (see [`Up::guess`]).
     Land,
-    /// It points up in most models.
+    /// The axis points up in most models.
     Common,
 }
 
 impl Up {
-    /// The axis asked for; else that of the file's format; else the guess of [`Up::guess`]. With its reason. O(n).
+    /// Chooses the axis, with the reason: the requested axis, otherwise that of the file's format, otherwise the guess
+    /// of [`Up::guess`]. O(n).
     ///
     /// ```
     /// use adwave::{shape::{PointCloud, Shape}, vector::Axis};
@@ -89,7 +91,7 @@ impl From<Axis> for Up {
     }
 }
 
-/// Whether a shape has a border or no faces at all.
+/// True if a shape has a border or no faces.
 fn is_open(shape: &Shape) -> bool {
     if !shape.is_mesh() {
         return true;

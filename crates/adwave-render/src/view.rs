@@ -32,10 +32,10 @@ const NAMED: [(&str, f64, f64); 7] = [
 ];
 
 impl View {
-    /// From the right of the front and slightly above, which shows most of most shapes.
+    /// View from the right of the front and slightly above, which shows most of most shapes.
     pub const THREE_QUARTER: Self = Self { azimuth: 30.0, elevation: 15.0 };
 
-    /// From the front.
+    /// View from the front.
     pub const FRONT: Self = Self { azimuth: 0.0, elevation: 0.0 };
 
     /// Names that can be parsed.
@@ -48,7 +48,7 @@ impl View {
         self.axes(up)[0]
     }
 
-    /// Right and up in the picture, and the direction toward the viewer: orthonormal, right-handed.
+    /// Orthonormal, right-handed axes of the picture: right, up, and toward the viewer.
     pub(crate) fn axes(self, up: Up) -> [Vector; 3] {
         let [right, up, front] = up.axes();
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
@@ -85,7 +85,7 @@ impl FromStr for View {
     }
 }
 
-/// Reasons for which a view is invalid.
+/// Reason for which a view is invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -114,17 +114,17 @@ pub enum ViewError {
 /// Axis of the model that points up in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
-    /// x up; the front is seen from −z.
+    /// The x axis points up; the front is seen from −z.
     X,
-    /// y up, the convention of most models; the front is seen from +z.
+    /// The y axis points up, the convention of most models; the front is seen from +z.
     #[default]
     Y,
-    /// z up, the convention of maps and terrain scans; the front is seen from −y.
+    /// The z axis points up, the convention of maps and terrain scans; the front is seen from −y.
     Z,
 }
 
 impl Up {
-    /// Right, up and the direction toward the viewer in the front view.
+    /// Directions in the front view: right, up, and toward the viewer.
     fn axes(self) -> [Vector; 3] {
         match self {
             Self::X => [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],

@@ -1,4 +1,4 @@
-//! Saliency and features from bands in the order of the shape. For the crates of this workspace.
+//! Saliency and features of bands in the order of the shape, for the crates of this workspace.
 
 use adwave::bands::{Bands, Wavelets};
 use adwave::features::{self, Feature, FeatureError, FeatureParams, Response};
@@ -10,7 +10,7 @@ fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
     bands.to_wavelets(decomposer.vertex_map())
 }
 
-/// The map of [`saliency::saliency`] over all channels together.
+/// Computes the map of [`saliency::saliency`] over all channels together.
 ///
 /// # Errors
 /// As for [`saliency::saliency`].
@@ -22,7 +22,7 @@ pub fn saliency(
     saliency::saliency(decomposer, &wavelets(decomposer, bands).into_norms(), params, Progress::none())
 }
 
-/// A saliency map that is signed if possible.
+/// Saliency map that is signed if possible, one value per vertex.
 pub(crate) struct SignedMap {
     pub(crate) map: Vec<f64>,
     /// True if the sign of the map has a meaning.
@@ -31,8 +31,9 @@ pub(crate) struct SignedMap {
     pub(crate) outward: Option<OutwardInfo>,
 }
 
-/// The map with the default parameters. For coordinates it is positive where the shape is convex; `normals` are those of the file, if it
-/// has any. For a scalar signal it has the sign of the signal, and for other vectors it is unsigned.
+/// Computes the saliency map with the default parameters. For coordinates it is positive where the shape is convex;
+/// `normals` are those of the file, three numbers per vertex, if it has any. For a scalar signal it has the sign of the
+/// signal, and for other vectors it is unsigned.
 pub(crate) fn signed_saliency(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -50,7 +51,7 @@ pub(crate) fn signed_saliency(
     Ok(SignedMap { map, is_signed, outward: outward.map(|o| o.info) })
 }
 
-/// The maps of [`saliency::saliency_per_level`] over all channels together.
+/// Computes the maps of [`saliency::saliency_per_level`] over all channels together.
 ///
 /// # Errors
 /// As for [`saliency::saliency_per_level`].
@@ -63,7 +64,8 @@ pub fn saliency_per_level(
     saliency::saliency_per_level(decomposer, &norms, params, Progress::none())
 }
 
-/// The features of [`features::features`] over all channels together, or of each channel if the response is by channel.
+/// Finds the features of [`features::features`] over all channels together, or of each channel if the response is by
+/// channel.
 ///
 /// # Errors
 /// As for [`features::features`].

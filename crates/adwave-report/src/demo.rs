@@ -1,4 +1,4 @@
-//! The page of the demo: a shape before and after each edit, its saliency map, its features, and commands to try next.
+//! Page of the demo: a shape before and after each edit, its saliency map, its features, and commands to try next.
 
 use crate::analysis::features as find;
 use crate::analysis::signed_saliency;
@@ -17,15 +17,15 @@ use adwave_render::{
 
 /// Color of the balls that mark features.
 const GREEN: [u8; 3] = [52, 168, 83];
-/// Share of the vertices that have the last color of the map.
+/// Share of the vertices that have the last color of the color map.
 const TOP: f64 = 0.05;
-/// Number of steps, for progress.
+/// Number of parts of the work, for progress.
 const N_PARTS: u64 = 4;
 
-/// An edit that the page shows.
+/// Edit that the page shows.
 #[derive(Clone, Debug)]
 pub struct DemoEdit<'a> {
-    /// Name of its file without the extension: the name of a preset, or another name.
+    /// Name of the edit's file without the extension: the name of a preset, or another name.
     pub name: &'a str,
     /// Description that continues a sentence after the name; empty for a preset.
     pub words: &'a str,
@@ -48,20 +48,20 @@ pub struct DemoText {
     pub next: Vec<(String, String)>,
 }
 
-/// The page, and the pictures that are files of their own.
+/// Page of the demo, and the pictures that have their own files.
 #[derive(Clone, Debug)]
 pub struct Demo {
-    /// The page with its pictures embedded.
+    /// Page with its pictures embedded.
     pub page: Page,
-    /// One sheet with the shape before and after each edit.
+    /// Sheet with the shape before and after each edit.
     pub sheet: Picture,
-    /// The saliency map.
+    /// Picture of the saliency map.
     pub saliency: Picture,
-    /// The features as balls.
+    /// Picture of the features as balls.
     pub features: Picture,
 }
 
-/// File names of the pictures.
+/// File names of the pictures: sheet, saliency map, features.
 pub const PICTURES: [&str; 3] = ["sheet.png", "saliency.png", "features.png"];
 
 /// Draws the pictures of the demo and assembles its page. O(vertices + pixels) for each picture.
@@ -114,14 +114,14 @@ pub fn demo(
     Ok(Demo { page, sheet, saliency: saliency_picture, features: features_picture })
 }
 
-/// Error of the demo.
+/// Failure to make the demo.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DemoError {
     /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A picture cannot be drawn.
+    /// A picture could not be drawn.
     #[error(transparent)]
     Render(#[from] RenderError),
 }

@@ -1,22 +1,23 @@
-//! The loss when fine bands of a shape are dropped.
+//! Loss of detail when the fine bands of a shape are dropped.
 
 use adwave::bands::Bands;
 
-/// The loss when the bands up to a level are dropped: ‖f − S_f(j)‖ over the vertices, in units of the signal.
+/// Loss when the bands up to a level are dropped: ‖f − S_f(j)‖ over the vertices, in units of the signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailLoss {
-    /// j, from 1: the bands 1 … j are dropped.
+    /// Level j, from 1: the bands 1 … j are dropped.
     pub level: usize,
     /// Width σ_j in model units.
     pub sigma: f64,
-    /// Largest loss of a vertex.
+    /// Largest loss at a vertex.
     pub greatest: f64,
-    /// `√(Σ_x μ(x)‖f(x) − S_f(j, x)‖² / Σ_x μ(x))` under the weights μ.
+    /// Root mean square `√(Σ_x μ(x)‖f(x) − S_f(j, x)‖² / Σ_x μ(x))` with the weights μ.
     pub rms: f64,
 }
 
-/// The loss of each level j = 1 … J of bands, fine to coarse: `f − S_f(j) = W_f(1) + … + W_f(j)` (eq. 15). `weights` are the
-/// areas of the vertices; if all are 0, the vertices have equal weights. Vertices without a value (NaN) are ignored. O(J·n).
+/// Computes the loss for each level j = 1 … J of bands, fine to coarse: `f − S_f(j) = W_f(1) + … + W_f(j)` (eq. 15).
+/// `weights` are the areas of the vertices; if all are 0, the vertices have equal weights. Vertices without a value
+/// (NaN) are ignored. O(J·n).
 ///
 /// ```
 /// use adwave::bands::Schedule;
@@ -55,8 +56,8 @@ pub fn detail_loss(bands: &Bands, weights: &[f64]) -> Vec<DetailLoss> {
         .collect()
 }
 
-/// The widest level such that its loss and the losses of all finer levels are at most `error` by `measure`; `None` if the finest level
-/// loses more.
+/// Finds the widest level such that its loss and the losses of all finer levels are at most `error` by `measure`;
+/// `None` if the finest level loses more.
 pub fn widest_within(
     losses: &[DetailLoss],
     error: f64,

@@ -1,4 +1,4 @@
-//! The page that compares two versions of a shape by place and scale.
+//! Page that compares two versions of a shape by place and scale.
 
 use crate::page::{Block, Fact, Page, Section};
 use crate::shape_report::drawing::{FieldLook, PictureSpec, Scale, Studio};
@@ -6,12 +6,12 @@ use crate::shape_report::{BandSummary, Subject, Viewpoint, band_section};
 use adwave::shape::Shape;
 use adwave::{Cancelled, Progress};
 
-/// The other version of the shape, and how it was compared.
+/// Other version of the shape, and the method of comparison.
 #[derive(Clone, Debug)]
 pub struct Versions<'a> {
-    /// The name of the other shape.
+    /// Name of the other shape.
     pub other: &'a str,
-    /// The other shape, moved as it was compared.
+    /// Other shape, in the position in which it was compared.
     pub shape: &'a Shape,
     /// Statistics of the difference.
     pub facts: Vec<Fact>,
@@ -19,19 +19,19 @@ pub struct Versions<'a> {
     pub how: Vec<String>,
 }
 
-/// The page of a comparison.
+/// Page of a comparison, and its numbers.
 #[derive(Clone, Debug)]
 pub struct DifferenceReport {
-    /// The HTML page.
+    /// HTML page.
     pub page: Page,
-    /// One entry per level.
+    /// Statistics of the bands, one entry per level.
     pub bands: Vec<BandSummary>,
     /// Number of pictures of the shapes on the page.
     pub n_pictures: usize,
 }
 
-/// Makes the page of `subject`, whose signal is the difference between two versions of its shape. O(vertices × levels), and O(vertices +
-/// pixels) for each of about ten pictures.
+/// Makes the page of `subject`, whose signal is the difference between two versions of its shape. O(vertices × levels),
+/// and O(vertices + pixels) for each of about ten pictures.
 ///
 /// # Errors
 /// [`Cancelled`].

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 /// Cell of a missing value.
 pub const NONE: &str = "–";
 
-/// A table, as a page shows it and a CSV file stores it.
+/// Table, as a page shows it and a CSV file stores it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
     /// File name with the extension `.csv`, unique within the page or figure.
@@ -14,12 +14,12 @@ pub struct Table {
     pub caption: String,
     /// Names of the columns, with units.
     pub head: Vec<String>,
-    /// Cells, one per column.
+    /// Rows of cells, one cell per column.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table without rows.
+    /// Creates a table without rows.
     pub fn new(name: &str, caption: &str, head: &[&str]) -> Self {
         let head = head.iter().map(|&h| h.to_owned()).collect();
         Self { name: name.to_owned(), caption: caption.to_owned(), head, rows: Vec::new() }
@@ -50,7 +50,7 @@ impl Table {
         self
     }
 
-    /// The table as CSV (RFC 4180): cells with commas, quotes or line breaks are quoted.
+    /// Converts the table to CSV (RFC 4180); cells with commas, quotes or line breaks are quoted.
     ///
     /// ```
     /// use adwave_report::Table;
@@ -75,8 +75,9 @@ impl Table {
     }
 }
 
-/// Formats a column with the same number of decimals in every cell: three significant digits of the smallest nonzero value, or scientific
-/// notation if that takes more than seven decimals. A value that is not finite becomes [`NONE`].
+/// Formats a column with an equal number of decimals in every cell: three significant digits of the smallest nonzero
+/// value, or scientific notation if that takes more than seven decimals or if a value is at least 10⁶. A value that is
+/// not finite becomes [`NONE`].
 ///
 /// ```
 /// use adwave_report::column;
@@ -122,7 +123,7 @@ pub fn digits(value: f64) -> String {
     }
 }
 
-/// Formats a number with three significant digits and without trailing zeros, for little space.
+/// Formats a number with three significant digits and without trailing zeros, where there is little space.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     let text = if value == 0.0 {
@@ -137,7 +138,8 @@ pub(crate) fn short(value: f64) -> String {
     text.replacen('-', "−", usize::from(value < 0.0))
 }
 
-/// Formats an end of a range of length `span`: as [`short`], with the digits that tell a hundredth of the span apart.
+/// Formats an end of a range of length `span` like [`short`], with enough digits to distinguish a hundredth of the
+/// span.
 pub(crate) fn range_end(value: f64, span: f64) -> String {
     let decimals = 2.0 - span.log10().floor();
     // Three digits of the value are enough unless its range is narrower than that.

@@ -1,11 +1,11 @@
-//! Charts as pictures of a figure, and the line graph of the one-dimensional figures.
+//! Charts of a figure as pictures, and the line graph of the one-dimensional figures.
 
 use crate::{FigureError, Outcome};
 use adwave::shape::{Graph, Shape};
 use adwave_render::Picture;
 use adwave_render::plot::{AxisScale, Chart, ChartAxis, Mark, Series, Sheet, SparsityPattern};
 
-/// Number of points on the line of Figs. 2, 4 and 7.
+/// Number of points of the line in Figs. 2, 4 and 7.
 pub(crate) const N_POINTS: usize = 100;
 
 /// Size of a chart in pixels.
@@ -15,29 +15,29 @@ const SMALL: (u32, u32) = (520, 400);
 /// Size of a sparsity pattern in pixels.
 const PATTERN: (u32, u32) = (460, 500);
 
-/// A path graph with equal weights.
+/// Creates a path graph with equal weights.
 pub(crate) fn line() -> Result<Shape, FigureError> {
     let edges: Vec<_> = (1..N_POINTS as u32).map(|i| (i - 1, i, 1.0)).collect();
     Ok(Shape::Graph(Graph::new(N_POINTS, &edges)?))
 }
 
-/// A series of values at 0, 1, 2 …
+/// Creates a series of values at 0, 1, 2 …
 pub(crate) fn row(label: impl Into<String>, values: &[f64]) -> Series {
     let points = values.iter().enumerate().map(|(x, &y)| [x as f64, y]).collect();
     Series { label: label.into(), mark: Mark::Line, points }
 }
 
-/// A linear axis.
+/// Creates a linear axis.
 pub(crate) fn linear(label: &str) -> ChartAxis {
     ChartAxis { label: label.to_owned(), ..ChartAxis::default() }
 }
 
-/// A logarithmic axis.
+/// Creates a logarithmic axis.
 pub(crate) fn logarithmic(label: &str) -> ChartAxis {
     ChartAxis { label: label.to_owned(), scale: AxisScale::Log10, ..ChartAxis::default() }
 }
 
-/// An axis of categories.
+/// Creates an axis of categories.
 pub(crate) fn categories(label: &str, names: impl IntoIterator<Item = String>) -> ChartAxis {
     ChartAxis { names: names.into_iter().collect(), ..linear(label) }
 }
@@ -57,7 +57,7 @@ impl Outcome {
         self.add_svg_and_png(stem, caption, sheet.svg(width, height)?, &sheet.picture(width, height)?)
     }
 
-    /// Adds the pattern of a matrix, as SVG and as PNG.
+    /// Adds the sparsity pattern of a matrix, as SVG and as PNG.
     pub(crate) fn pattern(
         self,
         stem: &str,

@@ -6,7 +6,7 @@ use adwave::sample::SAMPLE_NAMES;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// Models that figures are made on, and progress.
+/// Models on which figures are made, and progress.
 pub struct Context<'a> {
     /// Models of the user.
     pub models: Models,
@@ -18,7 +18,7 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// A context with the models of the user.
+    /// Creates a context with the models of the user.
     pub fn new(models: Models, progress: Progress<'a>) -> Self {
         Self { models, progress, most_vertices: usize::MAX, made: Mutex::default() }
     }
@@ -29,12 +29,13 @@ impl<'a> Context<'a> {
         Self { most_vertices, ..self }
     }
 
-    /// The first of the named models that the user has.
+    /// Returns the first of the named models that the user has.
     pub fn model(&self, names: &[&str]) -> Option<Arc<Model>> {
         names.iter().find_map(|name| self.models.get(name))
     }
 
-    /// The first of the named models that the user has, else a built-in shape with about `n_vertices` vertices.
+    /// Returns the first of the named models that the user has, otherwise a built-in shape with about `n_vertices`
+    /// vertices.
     ///
     /// # Errors
     /// [`ModelError::Sample`].
@@ -47,7 +48,7 @@ impl<'a> Context<'a> {
         self.model(names).map_or_else(|| self.built_in(sample, n_vertices), Ok)
     }
 
-    /// A built-in shape with about `n_vertices` vertices, which is generated once.
+    /// Returns a built-in shape with about `n_vertices` vertices, which is generated once.
     ///
     /// # Errors
     /// [`ModelError::Sample`].

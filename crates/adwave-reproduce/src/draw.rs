@@ -8,9 +8,9 @@ use std::borrow::Cow;
 
 /// Color of features.
 pub(crate) const GREEN: [u8; 3] = [52, 168, 83];
-/// Color of a second kind of places.
+/// Color of a second kind of marked places.
 pub(crate) const ORANGE: [u8; 3] = [230, 126, 34];
-/// Side of a panel in pixels.
+/// Side of a panel, in pixels.
 const PANEL: u32 = 460;
 
 /// Colors of a panel.
@@ -20,7 +20,7 @@ enum PanelColors {
     Field { values: Vec<f64>, label: String, range: ValueRange },
 }
 
-/// A panel that owns its content.
+/// Panel that owns its content.
 pub(crate) struct SheetPanel<'a> {
     points: Cow<'a, [[f64; 3]]>,
     triangles: &'a [[u32; 3]],
@@ -30,12 +30,12 @@ pub(crate) struct SheetPanel<'a> {
 }
 
 impl<'a> SheetPanel<'a> {
-    /// A model in one color.
+    /// Creates a panel of a model in one color.
     pub(crate) fn new(model: &'a Model, caption: impl Into<String>) -> Self {
         Self::with_points(model, model.points().to_vec(), caption)
     }
 
-    /// A model with other positions of its vertices, in one color.
+    /// Creates a panel of a model with other positions of its vertices, in one color.
     pub(crate) fn with_points(model: &'a Model, points: Vec<[f64; 3]>, caption: impl Into<String>) -> Self {
         let turn = upright_axes(&model.name);
         let points = match turn {
@@ -51,7 +51,7 @@ impl<'a> SheetPanel<'a> {
         }
     }
 
-    /// Colors the model by a field, with a range by percentiles.
+    /// Colors the model by a field, with a range from percentiles.
     pub(crate) fn field(self, values: &[f64], label: &str) -> Self {
         self.field_in_range(values, label, ValueRange::Auto)
     }
@@ -62,7 +62,8 @@ impl<'a> SheetPanel<'a> {
         Self { colors, ..self }
     }
 
-    /// Colors the model by a saliency map. The top 5 % have the brightest color, so that a few tips do not leave the rest dark.
+    /// Colors the model by a saliency map. The top 5 % have the brightest color, so that a few tips do not leave the
+    /// rest dark.
     pub(crate) fn saliency(self, map: &[f64]) -> Self {
         self.field_in_range(map, "saliency", ValueRange::Fixed(0.0, value_range(map, 0.0, 0.95).1))
     }
@@ -78,7 +79,7 @@ impl<'a> SheetPanel<'a> {
         self.balls(model, places, GREEN)
     }
 
-    /// Adds balls with these centers and radii.
+    /// Adds balls with the centers and radii `places`, in model units.
     pub(crate) fn balls(
         mut self,
         model: &Model,
@@ -95,18 +96,18 @@ impl<'a> SheetPanel<'a> {
     }
 }
 
-/// A sheet of panels in rows.
+/// Sheet of panels in rows.
 pub(crate) struct Sheet<'a> {
     panels: Vec<SheetPanel<'a>>,
     columns: usize,
     camera: SharedCamera,
     view: View,
-    /// Draws each face flat.
+    /// True to draw each face flat.
     shows_facets: bool,
 }
 
 impl<'a> Sheet<'a> {
-    /// A sheet with `columns` columns, all panels at the same scale.
+    /// Creates a sheet with `columns` columns, with all panels at one scale.
     pub(crate) fn new(columns: usize) -> Self {
         Self {
             panels: Vec::new(),
@@ -137,7 +138,7 @@ impl<'a> Sheet<'a> {
         self.panels.push(panel);
     }
 
-    /// The sheet as PNG.
+    /// Draws the sheet and encodes it as PNG.
     fn png(&self, context: &Context<'_>) -> Result<Vec<u8>, FigureError> {
         context.progress.step(0, 1)?;
         let panels: Vec<Panel<'_>> = self.panels.iter().map(render_panel).collect();
@@ -191,8 +192,8 @@ fn render_panel<'a>(panel: &'a SheetPanel<'_>) -> Panel<'a> {
     }
 }
 
-/// The 2nd to the 98th percentile of a field, symmetric about 0 if it has both signs. Each field has a range of its own, since levels of
-/// different magnitude would be invisible in a common one.
+/// Range from the 2nd to the 98th percentile of a field, symmetric about 0 if it has both signs. Each field has its own
+/// range, because levels of different magnitude would be invisible in a common range.
 fn percentile_range(values: &[f64]) -> ValueRange {
     let (low, high) = value_range(values, 0.02, 0.98);
     let most = high.max(-low);
@@ -200,8 +201,8 @@ fn percentile_range(values: &[f64]) -> ValueRange {
     if low < high && (high - low).is_finite() { ValueRange::Fixed(low, high) } else { ValueRange::Auto }
 }
 
-/// Signed axes (1 to 3) of the usual file of a model that become x, y and z, so that the model stands upright and faces the viewer. The bumps
-/// of the plane point up.
+/// Signed axes (1 to 3) of the usual file of a model that become x, y and z, so that the model stands upright and faces
+/// the viewer. The bumps of the plane point up. `None` if the model needs no rotation.
 fn upright_axes(name: &str) -> Option<[i8; 3]> {
     match name.trim_start_matches("built-in ").split_whitespace().next()? {
         "plane" => Some([1, -3, 2]),

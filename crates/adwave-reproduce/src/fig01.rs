@@ -1,4 +1,4 @@
-//! Fig. 1: the framework. A shape, its bands from fine to coarse, and what is done with them.
+//! Fig. 1: the framework. A shape, its bands from fine to coarse, and their applications.
 
 use crate::draw::{Sheet, SheetPanel};
 use crate::numbers::{bands, decomposer, norms, positions};

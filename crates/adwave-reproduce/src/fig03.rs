@@ -7,13 +7,13 @@ use adwave::bands::Schedule;
 use adwave::shape::{diagonal, vertex_normals};
 
 const N_VERTICES: usize = 14_000;
-/// Levels in the table.
+/// Number of levels in the table.
 const N_LEVELS: usize = 10;
 /// Smallest width of the wavelet that is drawn, as a share of the diagonal.
 const WIDTH: f64 = 0.045;
 /// Largest rounding error of sums that are 0 or 1.
 const ROUNDING: f64 = 1e-9;
-/// Entries below this share of the largest do not count as support.
+/// Share of the largest entry below which an entry does not count as support.
 const NEGLIGIBLE: f64 = 1e-6;
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
@@ -88,7 +88,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let Some((Some(before), now)) = pictured else {
         return Err("a level and one before it are shown".into());
     };
-    // Entries are masses of vertices; divided by area, they are densities, which do not depend on the sizes of vertices.
+    // Entries are masses of vertices. Divided by area they are densities, which do not depend on the sizes of vertices.
     let mean_area = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
     let density = |f: &[f64]| -> Vec<f64> {
         f.iter().zip(&areas).map(|(v, a)| if *a > 0.0 { v / a * mean_area } else { f64::NAN }).collect()
@@ -145,7 +145,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ))
 }
 
-/// The vertex near the upper center that faces the viewer most: the chest or forehead of a figure.
+/// Finds the vertex near the upper center that faces the viewer most: the chest or forehead of a figure.
 fn facing_vertex(model: &crate::Model) -> usize {
     let points = model.points();
     let normals = vertex_normals(points, &model.triangles);

@@ -60,7 +60,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .map(|outcome| outcome.table(table))
 }
 
-/// A slow wave plus a fast one, a hat and a step.
+/// Value of the function at a point: a slow wave plus a fast one, a hat and a step.
 fn function(x: usize) -> f64 {
     let t = x as f64 / N_POINTS as f64;
     let fast = if t < 0.35 { 0.25 * (50.0 * t).sin() } else { 0.0 };

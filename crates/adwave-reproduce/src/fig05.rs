@@ -1,4 +1,4 @@
-//! Fig. 5: a shape and a field on it from fine to the coarsest scale.
+//! Fig. 5: a shape and a field on it, from the finest to the coarsest scale.
 
 use crate::draw::{ORANGE, Sheet, SheetPanel, ValueRange};
 use crate::numbers::{bands, decomposer, extent, mean_curvature, positions};
@@ -13,7 +13,7 @@ const N_VERTICES: usize = 14_000;
 const MAX_LEVELS: usize = 24;
 /// Levels that are drawn in addition to the coarsest.
 const DRAWN_LEVELS: [usize; 4] = [0, 6, 9, 12];
-/// Largest spread of a constant component, relative to that of the signal there.
+/// Largest spread of a component that counts as constant, relative to the spread of the signal there.
 const CONSTANT: f64 = 1e-3;
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
@@ -148,7 +148,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ))
 }
 
-/// Number of levels until σ exceeds three diagonals, when the walk is stationary.
+/// Number of levels until σ exceeds three diagonals, where the walk is stationary.
 fn levels(decomposer: &Decomposer, size: f64) -> usize {
     let step = decomposer.operator().step_length();
     (DRAWN_LEVELS[3] + 1..MAX_LEVELS)
@@ -156,7 +156,7 @@ fn levels(decomposer: &Decomposer, size: f64) -> usize {
         .unwrap_or(MAX_LEVELS)
 }
 
-/// A signal at the coarsest level.
+/// Signal and its coarsest level.
 struct Case {
     name: String,
     decomposer: Decomposer,
@@ -164,7 +164,7 @@ struct Case {
     coarsest: Vec<f64>,
 }
 
-/// Limit of a component.
+/// Limit of the diffusion on a component.
 struct Limit {
     component: usize,
     n_vertices: usize,
@@ -177,7 +177,7 @@ struct Limit {
 }
 
 impl Case {
-    /// Limits of all components with more than one vertex.
+    /// Computes the limits on all components with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
         let neighbors = self.decomposer.neighbors();
         let n = self.decomposer.n_places();
@@ -230,7 +230,7 @@ impl Case {
     }
 }
 
-/// A torus and a distant plane with bumps: two components with different means.
+/// Builds a torus and a distant plane with bumps: two components with different means.
 fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     const EACH: usize = 2500;
     let (torus, plane) = (context.built_in("torus", EACH)?, context.built_in("plane", EACH)?);

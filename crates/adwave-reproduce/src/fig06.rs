@@ -13,7 +13,7 @@ use std::time::Instant;
 const N_VERTICES: usize = 8000;
 const N_LEVELS: usize = 10;
 const N_HARMONICS: [usize; 4] = [25, 50, 100, 200];
-/// Number of repetitions of a measurement, of which the shortest counts.
+/// Number of repetitions of a measurement, of which the shortest is used.
 const N_RUNS: usize = 3;
 
 pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {

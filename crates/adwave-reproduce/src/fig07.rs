@@ -1,4 +1,4 @@
-//! Fig. 7: where Φ₁ and Φ₄ of the line have entries.
+//! Fig. 7: sparsity patterns of Φ₁ and Φ₄ of the line.
 
 use crate::charts::{N_POINTS, line};
 use crate::{Context, FigureError, Outcome, Table, Verdict, digits};
@@ -8,7 +8,7 @@ use adwave::basis::{BasisParams, basis_by_squaring};
 use adwave_render::plot::SparsityPattern;
 
 const N_LEVELS: usize = 8;
-/// A matrix with less than this share of its entries is sparse.
+/// Share of nonzero entries below which a matrix counts as sparse.
 const SPARSE: f64 = 0.25;
 
 pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {

@@ -9,7 +9,7 @@ use adwave::shape::diagonal;
 use adwave_report::analysis::{saliency, saliency_per_level};
 
 const N_VERTICES: usize = 14_000;
-/// As in Table 2 of the paper.
+/// Number of levels, as in Table 2 of the paper.
 const N_LEVELS: usize = 8;
 /// Largest rounding error of the sum of the levels, relative to the map.
 const ROUNDING: f64 = 1e-12;
@@ -93,7 +93,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ))
 }
 
-/// Correlation of a field at the two ends of edges: close to 1 for a field that varies slowly.
+/// Correlation between the values of a field at the two ends of edges, close to 1 for a field that varies slowly.
 fn neighbor_correlation(triangles: &[[u32; 3]], field: &[f64]) -> f64 {
     let edges = || triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let (mut a, mut b) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Fig. 9: saliency of two poses, by ours and by Lee, Varshney & Jacobs.
+//! Fig. 9: saliency of two poses, by this method and by Lee, Varshney & Jacobs.
 
 use crate::draw::{Sheet, SheetPanel};
 use crate::numbers::{bands, decomposer, mean_curvature, percent};

@@ -1,4 +1,4 @@
-//! Fig. 10: features by threshold, and how they stand noise.
+//! Fig. 10: features by threshold, and their repeatability under noise.
 
 use crate::draw::{Sheet, SheetPanel};
 use crate::numbers::{bands, decomposer, percent};
@@ -10,20 +10,20 @@ use adwave::shape::{Shape, diagonal};
 use adwave_report::analysis::features;
 
 const N_VERTICES: usize = 50_000;
-/// The paper has 6 levels, with which only levels 2 to 5 can have features.
+/// Number of levels. The paper has 6, with which only levels 2 to 5 can have features.
 const N_LEVELS: usize = 8;
 const THETAS: [f64; 3] = [1.6, 2.4, 3.0];
 /// Threshold θ of the experiment with noise.
 const THETA: f64 = 2.4;
-/// Standard deviations of the noise in mean edge lengths.
+/// Standard deviations of the noise, in mean edge lengths.
 const NOISE: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
-/// Number of samples of each noise.
+/// Number of samples of the noise for each standard deviation.
 const N_SEEDS: u64 = 3;
 const RESPONSES: [(&str, Response); 3] =
     [("literal", Response::Literal), ("normalized", Response::Normalized), ("channels", Response::Channels)];
-/// Levels from here on are coarse.
+/// First coarse level.
 const COARSE: usize = 5;
-/// The features of the coarsest level are the same under noise when such a part is found again.
+/// Share of the features of the coarsest level that must be found again under noise to count as the same.
 const THE_SAME: f64 = 0.9;
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
@@ -156,7 +156,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ))
 }
 
-/// A noisy shape with its bands.
+/// Noisy shape with its bands.
 struct Noisy {
     model: Model,
     decomposer: Decomposer,
@@ -184,7 +184,7 @@ impl Noisy {
     }
 }
 
-/// Numbers of features on a level for one sample of the noise.
+/// Numbers of features on one level, for one sample of the noise.
 struct LevelCount {
     response: usize,
     edges: f64,
@@ -194,7 +194,7 @@ struct LevelCount {
 }
 
 impl LevelCount {
-    /// Share of all these features that are found again; NaN without features.
+    /// Share of all features in `rows` that are found again; NaN without features.
     fn share<'a>(rows: impl Iterator<Item = &'a Self>) -> f64 {
         let (found, all) = rows.fold((0, 0), |(f, a), row| (f + row.n_found, a + row.n_reference));
         f64::from(found as u32) / f64::from(all as u32)

@@ -1,4 +1,4 @@
-//! Fig. 11: textures. Critical points of the feature map, our saliency, our features.
+//! Fig. 11: textures. Critical points of the feature map, saliency and features of this method.
 
 use crate::draw::{GREEN, ORANGE, Sheet, SheetPanel};
 use crate::numbers::{bands, decomposer, distance, percent};
@@ -13,26 +13,26 @@ use adwave_report::analysis::{features, saliency};
 use std::path::{Path, PathBuf};
 
 const N_VERTICES: usize = 10_000;
-/// One more than for the face in Table 2 of the paper, so that levels 2 to 6 can have features.
+/// Number of levels: one more than for the face in Table 2 of the paper, so that levels 2 to 6 can have features.
 const N_LEVELS: usize = 7;
-/// The lowest threshold that the paper calls useful; the default is 2.4.
+/// Lowest threshold θ that the paper calls useful; the default is 2.4.
 const LOW_THETA: f64 = 1.6;
 
-/// A textured shape.
+/// Textured shape.
 struct Textured {
     model: std::sync::Arc<Model>,
-    /// Red, green and blue in [0, 1].
+    /// Red, green and blue of each vertex, in [0, 1].
     colors: Vec<[f64; 3]>,
-    /// Centers and radii of the spots, if they are known.
+    /// Centers and radii of the spots, in model units; empty if they are unknown.
     spots: Vec<([f64; 3], f64)>,
 }
 
-/// Points of a method on the painted spots.
+/// Numbers of the points found by a method that lie on the painted spots.
 struct SpotHits {
     n_points: usize,
-    /// Spots with a point in their inner half.
+    /// Number of spots with a point in their inner half.
     hit: usize,
-    /// Points that lie on a spot.
+    /// Number of points that lie on a spot.
     on: usize,
 }
 
@@ -186,7 +186,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     Ok(outcome)
 }
 
-/// Finds the picture in the folder of a shape whose name begins with that of the shape, for files without materials.
+/// Finds a picture in the folder of a shape whose name begins with that of the shape, for files without materials.
 fn find_picture(path: &Path) -> Option<PathBuf> {
     let lower =
         |path: &Path| path.file_name().map(|n| n.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -213,7 +213,7 @@ fn count_hits(spots: &[([f64; 3], f64)], points: &[[f64; 3]]) -> SpotHits {
     }
 }
 
-/// A sphere with spots of three sizes, distributed by the golden angle, on a gradient.
+/// Paints a sphere with spots of three sizes, distributed by the golden angle, on a gradient.
 fn paint_sphere(context: &Context<'_>) -> Result<Textured, FigureError> {
     const N_SPOTS: usize = 60;
     const RADII: [f64; 3] = [0.05, 0.08, 0.12];

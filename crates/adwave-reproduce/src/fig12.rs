@@ -11,14 +11,14 @@ use adwave_io::ShapeFile;
 use adwave_report::analysis::{features, saliency};
 use std::sync::Arc;
 
-/// The paper has 4 levels, with which only levels 2 and 3 can have features.
+/// Number of levels in the paper, with which only levels 2 and 3 can have features.
 const PAPER_LEVELS: usize = 4;
-/// Levels such that five levels can have features.
+/// Number of levels with which five levels can have features.
 const N_LEVELS: usize = 7;
 /// Smallest correlation at which the map of a cloud equals that of its mesh.
 const AGREES: f64 = 0.8;
 
-/// Points sampled at random from the surface of the creature, which are not its vertices.
+/// Name of the cloud of points sampled at random from the surface of the creature, which are not its vertices.
 const SAMPLED: &str = "points sampled from the creature";
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]

@@ -14,7 +14,7 @@ const SPHERE_VERTICES: usize = 10_242;
 const SPHERE_LEVELS: usize = 8;
 const N_VERTICES: usize = 25_000;
 const N_LEVELS: usize = 8;
-/// Gain of the raised letter, which moves outward as far as the other moves inward.
+/// Gain of the raised letter, which moves it outward as far as the other letter moves inward.
 const RAISE: f64 = 2.0;
 /// Gains of an enhanced region, the finest band first.
 const ENHANCE: [f64; N_LEVELS] = [1.5, 1.8, 2.0, 2.0, 2.0, 1.8, 1.5, 1.2];
@@ -134,7 +134,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ))
 }
 
-/// The letter S as a stroke over the front of a sphere.
+/// Region of the letter S, a stroke over the front of a sphere.
 fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
     let (low, high) = bounding_box(points).ok_or("the sphere has no vertices")?;
     let middle: [f64; 3] = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));

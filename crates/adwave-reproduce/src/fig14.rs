@@ -11,11 +11,11 @@ use adwave::shape::{diagonal, vertex_normals};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// As in Table 2 of the paper.
+/// Number of levels, as in Table 2 of the paper.
 const N_LEVELS: usize = 7;
-/// Number of coarsest bands that are ignored: half of their content is in S_f(J), which no filter changes.
+/// Number of coarsest bands that are ignored, because half of their content is in S_f(J), which no filter changes.
 const N_EDGE: usize = 2;
-/// Titles and presets of the columns.
+/// Titles of the columns, and their presets.
 const COLUMNS: [(&str, Preset); 4] = [
     ("suppression", Preset::SuppressPaper),
     ("enhancement", Preset::Enhance),
@@ -44,8 +44,8 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let (mut as_named, mut failed) = (Vec::new(), Vec::new());
     for model in &models {
         let decomposer = decomposer(model);
-        // In the normals, details of every size count as they are seen; in the coordinates, the coarse bands are far larger and leak into
-        // the fine ones.
+        // In the normals, details of every size count as they are seen. In the coordinates, the coarse bands are far
+        // larger and leak into the fine ones.
         let detail = |points: &[[f64; 3]]| -> Result<[f64; 2], FigureError> {
             let normals = vertex_normals(points, &model.triangles);
             let split = bands(context, &decomposer, normals.as_flattened(), 3, N_LEVELS)?;

@@ -1,4 +1,4 @@
-//! Fig. 15: global filters by ours and by manifold harmonics.
+//! Fig. 15: global filters by this method and by manifold harmonics.
 
 use crate::draw::{Sheet, SheetPanel};
 use crate::numbers::{decomposer, norms, percent, positions};
@@ -13,15 +13,15 @@ use adwave_baselines::linalg::EigenParams;
 use std::time::Instant;
 
 const N_VERTICES: usize = 10_000;
-/// As in Table 2 of the paper.
+/// Number of levels, as in Table 2 of the paper.
 const N_LEVELS: usize = 7;
-/// Number of eigenfunctions, such that the low-pass filter is small above the last one.
+/// Number of eigenfunctions, chosen so that the low-pass filter is small above the last one.
 const N_HARMONICS: usize = 500;
 /// Gain of the enhanced middle band.
 const GAIN: f64 = 2.0;
 /// First and last level of the enhanced band.
 const BAND: [usize; 2] = [5, 7];
-/// Largest difference of similar results, as a share of the change by the filter.
+/// Largest difference between results that count as similar, as a share of the change by the filter.
 const SIMILAR: f64 = 0.35;
 
 pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -131,7 +131,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )))
 }
 
-/// Share of the vertices that move when one half is smoothed.
+/// Computes the share of the vertices that move when one half is smoothed.
 fn edit_one_half(
     decomposer: &Decomposer,
     coords: &[f64],

@@ -1,22 +1,22 @@
-//! The list of figures and tables.
+//! List of figures and tables.
 
 use crate::{
     Context, FigureError, Outcome, fig01, fig02, fig03, fig04, fig05, fig06, fig07, fig08, fig09, fig10,
     fig11, fig12, fig13, fig14, fig15, section22, table1, table2,
 };
 
-/// A figure or table of the paper.
+/// Figure or table of the paper.
 #[derive(Clone, Copy)]
 pub struct Figure {
-    /// Name: `fig1` … `fig15`, `table1`, `table2`, `section2.2`.
+    /// Name of the figure: `fig1` … `fig15`, `table1`, `table2`, `section2.2`.
     pub name: &'static str,
-    /// Folder of its files: `fig01` … `table2`, `section22`.
+    /// Folder of the figure's files: `fig01` … `table2`, `section22`.
     pub folder: &'static str,
-    /// Title.
+    /// Title of the figure.
     pub title: &'static str,
-    /// Models that it can be made on; built-in shapes replace missing ones.
+    /// Models on which the figure can be made; built-in shapes replace missing models.
     pub models: &'static [&'static str],
-    /// Function that makes it.
+    /// Function that makes the figure.
     pub(crate) make: fn(&Context<'_>) -> Result<Outcome, FigureError>,
 }
 
@@ -26,7 +26,7 @@ impl std::fmt::Debug for Figure {
     }
 }
 
-/// All figures and tables in the order of the paper, and a section that claims without a figure.
+/// All figures and tables in the order of the paper, and a section with a claim that has no figure.
 pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig1",
@@ -169,10 +169,11 @@ pub const FIGURES: &[Figure] = &[
     },
 ];
 
-/// Selects figures by name, in the order of the paper and each once. `all` selects all figures, and so does an empty list.
+/// Selects figures by name, in the order of the paper and each once. `all` selects all figures, and so does an empty
+/// list.
 ///
 /// # Errors
-/// The first name that is not the name of a figure.
+/// The first name that does not name a figure.
 pub fn select(names: &[String]) -> Result<Vec<&'static Figure>, String> {
     let is = |figure: &Figure, name: &str| {
         let name = name.to_ascii_lowercase();

@@ -1,9 +1,9 @@
-//! `index.html`: all figures on one page; pictures and numbers are files in folders.
+//! Page `index.html` with all figures; pictures and numbers are files in folders.
 
 use crate::{ReproducedFigure, Verdict};
 use adwave_report::page::{self, Block, Figure, Image, ImageKind, Link, Page, Section, Tone};
 
-/// HTML of the page, with links relative to its folder.
+/// Returns the HTML of the page, with links relative to its folder.
 pub(crate) fn html(made: &[ReproducedFigure]) -> String {
     let page = Page {
         title: "The paper, reproduced".to_owned(),

@@ -1,7 +1,7 @@
 //! All figures and tables of the paper, reproduced with this method and the baselines that it is compared with.
 //!
-//! [`FIGURES`] lists them. [`reproduce()`] makes the requested ones and writes each when it is finished: its pictures and numbers to a folder of
-//! its own, and a page of all. Each figure has a file here.
+//! [`FIGURES`] lists them. [`reproduce()`] makes the requested figures and writes each when it is finished: its
+//! pictures and numbers to its own folder, and a page of all figures. Each figure has its own file in this crate.
 
 mod charts;
 mod context;
@@ -43,30 +43,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
 
-/// Error of making a figure.
+/// Failure to make a figure.
 pub type FigureError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Error of [`reproduce()`].
+/// Failure of [`reproduce()`].
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReproduceError {
-    /// The folder or a file in it cannot be written.
+    /// The folder or a file in it could not be written.
     #[error("cannot write {path}: {source}")]
     Write {
-        /// The folder or file.
+        /// Path of the folder or file.
         path: String,
         /// Reason.
         source: FigureError,
     },
-    /// Some figures cannot be made; the others are written.
+    /// Some figures could not be made; the others are written.
     #[error("{} cannot be made: {}", .0.join(", "), .1)]
     Figures(
         /// Names of these figures.
         Vec<&'static str>,
-        /// Reason for the first of them.
+        /// Reason for the first of these figures.
         FigureError,
     ),
-    /// The caller cancelled the call; the figures before are written.
+    /// The caller cancelled the call; the finished figures are written.
     #[error("stopped on request")]
     Cancelled,
 }
@@ -99,21 +99,21 @@ pub enum Event<'a> {
     Finished(&'a ReproducedFigure),
 }
 
-/// A figure that has been written.
+/// Figure that has been written.
 #[derive(Clone, Debug)]
 pub struct ReproducedFigure {
     /// Pictures, numbers and verdict.
     pub outcome: Outcome,
-    /// Seconds of making it.
+    /// Seconds spent on making the figure.
     pub seconds: f64,
-    /// Name of its folder.
+    /// Name of the figure's folder.
     pub folder: &'static str,
-    /// Paths of its files.
+    /// Paths of the figure's files.
     pub files: Vec<PathBuf>,
 }
 
-/// Makes `figures` and writes each to `target` when it is finished: `figNN/…`, `index.html`, and the Markdown file at the end. Other files in the
-/// folder are not touched.
+/// Makes `figures` and writes each to `target` when it is finished: `figNN/…`, `index.html`, and the Markdown file at
+/// the end. Other files in the folder are not changed.
 ///
 /// # Errors
 /// [`ReproduceError`]. A folder that cannot be written is reported before the first figure is made.
@@ -158,7 +158,7 @@ pub fn reproduce(
     }
 }
 
-/// The path as text for messages.
+/// Converts a path to text for messages.
 fn display_path(path: &Path) -> String {
     path.display().to_string()
 }

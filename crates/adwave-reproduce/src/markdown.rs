@@ -1,4 +1,4 @@
-//! All figures on one page of Markdown with small pictures, for a repository.
+//! Markdown page of all figures with small pictures, for a repository.
 
 use crate::{PictureFile, ReproduceError, ReproducedFigure as Made, Table, write};
 use image::codecs::jpeg::JpegEncoder;
@@ -9,20 +9,20 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
-/// Characters of a line of prose and of a table row.
+/// Largest number of characters of a line of prose and of a table row.
 const LINE_WIDTH: usize = 118;
 /// Largest width of a picture, in pixels.
 const MAX_WIDTH: u32 = 960;
 /// Largest number of pixels of a picture.
 const MAX_PIXELS: f64 = 560_000.0;
-/// Size in bytes up to which a picture stays a PNG: charts, which JPEG would blur.
+/// Largest size in bytes of a picture that stays a PNG, such as charts, which JPEG would blur.
 const MAX_PNG_BYTES: usize = 60_000;
-/// Quality of JPEG: shading without visible blocks.
+/// JPEG quality at which shading has no visible blocks.
 const QUALITY: u8 = 82;
-/// Rows up to which a table is on the page; larger ones are in the CSV files only.
+/// Largest number of rows of a table on the page; larger tables are only in the CSV files.
 const MAX_ROWS: usize = 20;
 
-/// Writes the Markdown file, and its pictures to a folder next to it that has its name.
+/// Writes the Markdown file, and its pictures to a folder of the same name next to it.
 pub(crate) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
     let stem = path.file_stem().map_or_else(|| "paper".to_owned(), |s| s.to_string_lossy().to_lowercase());
     let folder = path.with_file_name(&stem);
@@ -42,7 +42,7 @@ pub(crate) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
     write::bytes(path, text.as_bytes())
 }
 
-/// Heading of a section: `## Figure 8: …`.
+/// Returns the heading of a section: `## Figure 8: …`.
 pub(crate) fn heading(id: &str, title: &str) -> String {
     let number = |prefix: &str, word: &str| id.strip_prefix(prefix).map(|n| format!("{word} {n}"));
     let name = number("fig", "Figure").or_else(|| number("table", "Table"));
@@ -103,8 +103,8 @@ fn section(one: &Made, pictures: &[(String, &str)]) -> String {
     text
 }
 
-/// A table with its caption. Columns that do not fit into one line follow in further tables, which repeat the columns
-/// that identify a row.
+/// Formats a table with its caption. Columns that do not fit into one line follow in further tables, which repeat the
+/// columns that identify a row.
 fn rows(table: &Table) -> String {
     let lines: Vec<Vec<String>> = std::iter::once(&table.head)
         .chain(&table.rows)
@@ -126,7 +126,7 @@ fn rows(table: &Table) -> String {
     text
 }
 
-/// Number of leading columns, at most 3, that tell all rows apart; 1 if none do.
+/// Number of leading columns, at most 3, that distinguish all rows; 1 if none do.
 fn n_key_columns(rows: &[Vec<String>]) -> usize {
     let are_keys = |n: usize| {
         let mut seen = HashSet::new();
@@ -135,7 +135,8 @@ fn n_key_columns(rows: &[Vec<String>]) -> usize {
     (1..=3).find(|&n| are_keys(n)).unwrap_or(1)
 }
 
-/// Consecutive columns after the first `n_keys`, in groups whose rows fit into a line together with these.
+/// Groups the columns after the first `n_keys`, so that the rows of each group fit into a line together with the first
+/// ones.
 fn column_groups(lines: &[Vec<String>], n_keys: usize) -> Vec<Range<usize>> {
     let n_columns = lines[0].len();
     let width = |columns: Range<usize>| {
@@ -159,17 +160,17 @@ fn column_groups(lines: &[Vec<String>], n_keys: usize) -> Vec<Range<usize>> {
     groups
 }
 
-/// An item of a list, wrapped, with its line end.
+/// Formats an item of a list, wrapped, with its line end.
 fn list_item(text: &str) -> String {
     format!("* {}\n", wrap_words(text, 2).replace('\n', "\n  "))
 }
 
-/// A paragraph, wrapped.
+/// Wraps a paragraph.
 fn wrapped(text: &str) -> String {
     wrap_words(text, 0)
 }
 
-/// Text in lines of at most [`LINE_WIDTH`] characters less `indent`, broken at spaces that are not within backticks.
+/// Breaks text into lines of at most [`LINE_WIDTH`] characters minus `indent`, at spaces that are not within backticks.
 fn wrap_words(text: &str, indent: usize) -> String {
     let mut lines = String::new();
     let mut length = 0;
@@ -193,7 +194,7 @@ fn wrap_words(text: &str, indent: usize) -> String {
     lines
 }
 
-/// Name and bytes of a reduced picture; none for an SVG, which comes with its PNG.
+/// Returns the name and the bytes of a reduced picture; `None` for an SVG, which has a PNG of the same content.
 fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(String, Vec<u8>)>> {
     let Some(stem) = picture.name.strip_suffix(".png") else { return Ok(None) };
     let name = if stem == folder { folder.to_owned() } else { format!("{folder}-{stem}") };
@@ -219,7 +220,7 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
     Ok(Some((format!("{name}.jpg"), jpeg)))
 }
 
-/// Composites a picture on white, since JPEG has no transparency.
+/// Composites a picture on white, because JPEG has no transparency.
 fn composite_on_white(image: &DynamicImage) -> DynamicImage {
     let mut white = image::RgbaImage::from_pixel(image.width(), image.height(), image::Rgba([255; 4]));
     imageops::overlay(&mut white, &image.to_rgba8(), 0, 0);

@@ -1,4 +1,4 @@
-//! The models of the paper, found by name in folders of the user.
+//! Models of the paper, found by name in folders of the user.
 
 use adwave::sample::{Sample, SampleError};
 use adwave::shape::{Shape, triangulate};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Models that figures use, each with alternative names of its files.
+/// Names of the models that figures use, each with alternative names of its files.
 pub const MODELS: [(&str, &[&str]); 15] = [
     ("armadillo", &[]),
     ("dinosaur", &["dino"]),
@@ -30,10 +30,10 @@ pub const MODELS: [(&str, &[&str]); 15] = [
 
 /// Largest depth of the search.
 const MAX_DEPTH: usize = 12;
-/// Largest number of files and folders of the search.
+/// Largest number of files and folders that are searched in each folder of the user.
 const MAX_ENTRIES: usize = 200_000;
 
-/// Error of finding or reading models.
+/// Failure to find or read models.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -45,16 +45,16 @@ pub enum ModelError {
         /// Reason.
         source: std::io::Error,
     },
-    /// None of the models is in the folders.
+    /// No model was found in the folders.
     #[error("there is no model of the paper in {folders}; file names must contain one of {}", names())]
     None {
-        /// The folders.
+        /// Paths of the folders.
         folders: String,
     },
     /// The file of a model is malformed.
     #[error("the model '{name}' cannot be read: {source}")]
     Read {
-        /// The model.
+        /// Name of the model.
         name: &'static str,
         /// Reason, which names the file.
         source: Box<ReadError>,
@@ -62,7 +62,7 @@ pub enum ModelError {
     /// The file of a model has no shape.
     #[error("the model '{name}' in {path} cannot be used: {source}")]
     Shape {
-        /// The model.
+        /// Name of the model.
         name: &'static str,
         /// Path of its file.
         path: String,
@@ -90,23 +90,23 @@ fn names() -> String {
     MODELS.map(|(name, _)| name).join(", ")
 }
 
-/// A shape that figures are made on.
+/// Shape on which figures are made.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Name, such as `armadillo` or `built-in creature`.
     pub name: String,
-    /// Content of its file, or a built-in shape.
+    /// Content of the model's file, or a built-in shape.
     pub file: ShapeFile,
-    /// Path of its file; `None` for a built-in shape.
+    /// Path of the model's file; `None` for a built-in shape.
     pub path: Option<PathBuf>,
-    /// The shape: a mesh if the file has faces, else a cloud.
+    /// Shape of the model: a mesh if the file has faces, otherwise a cloud.
     pub shape: Shape,
     /// Triangulated faces.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Model {
-    /// A built-in shape with about `n_vertices` vertices.
+    /// Generates a built-in shape with about `n_vertices` vertices.
     ///
     /// # Errors
     /// [`ModelError::Sample`].
@@ -117,7 +117,7 @@ impl Model {
             .map_err(|source| ModelError::Shape { name: "built-in", path: sample.to_owned(), source })
     }
 
-    /// A copy with other positions of the vertices.
+    /// Returns a copy with other positions of the vertices, in model units.
     ///
     /// # Panics
     /// If there is not one finite position per vertex.
@@ -128,7 +128,7 @@ impl Model {
         Self::new(name.to_owned(), file, None).expect("as many finite points with the same faces")
     }
 
-    /// The vertices as a cloud.
+    /// Returns the vertices as a cloud.
     ///
     /// # Panics
     /// Never: the points of a shape are those of a cloud.
@@ -139,7 +139,7 @@ impl Model {
             .expect("finite points are a cloud")
     }
 
-    /// A model from a shape that was assembled in memory.
+    /// Creates a model from a shape that was assembled in memory.
     ///
     /// # Errors
     /// [`ShapeFileError`].
@@ -154,17 +154,17 @@ impl Model {
         Ok(Self { name, file, path, shape, triangles })
     }
 
-    /// Positions of the vertices.
+    /// Positions of the vertices, in model units.
     pub fn points(&self) -> &[[f64; 3]] {
         self.file.points()
     }
 
-    /// Positions as a signal of three channels.
+    /// Positions of the vertices as a signal of three channels, row-major.
     pub fn coordinates(&self) -> &[f64] {
         self.points().as_flattened()
     }
 
-    /// Returns true for a built-in shape.
+    /// True for a model that was not read from a file.
     pub fn is_built_in(&self) -> bool {
         self.path.is_none()
     }
@@ -183,11 +183,11 @@ pub struct Models {
 }
 
 impl Models {
-    /// Searches folders recursively; earlier folders have precedence. A file is a model if one word of its name is the name of the model. A file
-    /// named exactly like the model is preferred, then the larger file.
+    /// Searches folders recursively; earlier folders have precedence. A file is a model if one word of its name is the
+    /// name of the model. A file whose name equals that of the model is preferred, then the larger file.
     ///
     /// # Errors
-    /// [`ModelError::Folder`] when a folder cannot be read, [`ModelError::None`] when no file is a model.
+    /// [`ModelError::Folder`] if a folder cannot be read, [`ModelError::None`] if no file is a model.
     pub fn search(folders: &[PathBuf]) -> Result<Self, ModelError> {
         let mut files = Vec::new();
         for folder in folders {
@@ -232,10 +232,10 @@ impl Models {
         Ok(Self { found, read: BTreeMap::new() })
     }
 
-    /// Reads the named models that were found, so that a broken file is reported before any long computation.
+    /// Reads those of the named models that were found, so that a broken file is reported before any long computation.
     ///
     /// # Errors
-    /// [`ModelError::Read`] or [`ModelError::Shape`], naming the model and its file.
+    /// [`ModelError::Read`] or [`ModelError::Shape`], which name the model and its file.
     pub fn read(&mut self, names: &[&str]) -> Result<(), ModelError> {
         for (&name, path) in &self.found {
             if !names.contains(&name) || self.read.contains_key(name) {
@@ -250,12 +250,12 @@ impl Models {
         Ok(())
     }
 
-    /// A model that was read.
+    /// Returns a model that was read; `None` if there is none of this name.
     pub fn get(&self, name: &str) -> Option<Arc<Model>> {
         self.read.get(name).cloned()
     }
 
-    /// Models that were found, with their files.
+    /// Iterates over the models that were found, with their files.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         self.found.iter().map(|(&name, path)| (name, path.as_path()))
     }

@@ -6,12 +6,12 @@ use adwave::signal::{SurfaceSignal, surface_signal};
 use adwave::vector::{norm, subtract};
 use adwave::{Decomposer, Progress};
 
-/// Prepared geometry of a model, with the operator of the paper.
+/// Prepares the geometry of a model, with the operator of the paper.
 pub(crate) fn decomposer(model: &Model) -> Decomposer {
     Decomposer::new(&model.shape)
 }
 
-/// Bands of a signal on dyadic levels.
+/// Decomposes a signal into bands on dyadic levels.
 pub(crate) fn bands(
     context: &Context<'_>,
     decomposer: &Decomposer,
@@ -40,12 +40,12 @@ pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
-/// A signal of three channels as positions.
+/// Converts a signal of three channels to positions.
 pub(crate) fn positions(values: &[f64]) -> Vec<[f64; 3]> {
     values.as_chunks().0.to_vec()
 }
 
-/// Distance of two points.
+/// Distance between two points.
 pub(crate) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     norm(&subtract(a, b))
 }

@@ -1,8 +1,9 @@
-//! The result of making a figure or table.
+//! Result of making a figure or table.
 
 use adwave_report::Table;
 
-/// Comparison of a figure with the claim of the paper; each variant has a sentence with the numbers it is based on.
+/// Comparison of a figure with the claim of the paper; each variant has a sentence with the numbers on which it is
+/// based.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Verdict {
@@ -15,7 +16,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a claim: as claimed if all `parts` hold, not as claimed if none does.
+    /// Judges a claim: as claimed if all `parts` hold, not as claimed if none does.
     ///
     /// ```
     /// use adwave_reproduce::Verdict;
@@ -32,7 +33,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict in a few words.
+    /// Verdict in a few words.
     pub fn headline(&self) -> &'static str {
         match self {
             Self::AsClaimed(_) => "As the paper claims",
@@ -41,7 +42,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict as a keyword for programs.
+    /// Verdict as a keyword for programs.
     pub fn keyword(&self) -> &'static str {
         match self {
             Self::AsClaimed(_) => "as-claimed",
@@ -50,7 +51,7 @@ impl Verdict {
         }
     }
 
-    /// The sentence with the numbers it is based on.
+    /// Sentence with the numbers on which the verdict is based.
     pub fn sentence(&self) -> &str {
         match self {
             Self::AsClaimed(text) | Self::PartlyAsClaimed(text) | Self::NotAsClaimed(text) => text,
@@ -58,7 +59,7 @@ impl Verdict {
     }
 }
 
-/// A picture as a file.
+/// Picture as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureFile {
     /// File name with the extension `.png` or `.svg`; unique within the figure.
@@ -69,16 +70,16 @@ pub struct PictureFile {
     pub bytes: Vec<u8>,
 }
 
-/// A figure or table reproduced.
+/// Reproduced figure or table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outcome {
-    /// Name, `fig1` … `table2`; set by [`reproduce`](crate::reproduce()).
+    /// Name of the figure, `fig1` … `table2`; set by [`reproduce`](crate::reproduce()).
     pub id: String,
-    /// Title; set by [`reproduce`](crate::reproduce()).
+    /// Title of the figure; set by [`reproduce`](crate::reproduce()).
     pub title: String,
-    /// Command that makes it; set by [`reproduce`](crate::reproduce()).
+    /// Command that makes the figure; set by [`reproduce`](crate::reproduce()).
     pub command: String,
-    /// Shapes that it was made on.
+    /// Names of the shapes on which the figure was made.
     pub shapes: Vec<String>,
     /// Pictures. An SVG and a PNG with the same stem are the same picture.
     pub pictures: Vec<PictureFile>,
@@ -91,7 +92,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// An outcome without pictures and tables.
+    /// Creates an outcome without pictures and tables.
     pub fn new(verdict: Verdict) -> Self {
         Self {
             id: String::new(),
@@ -105,7 +106,7 @@ impl Outcome {
         }
     }
 
-    /// Adds a shape that it was made on.
+    /// Adds the name of a shape on which the figure was made.
     #[must_use]
     pub fn add_shape(mut self, shape: impl Into<String>) -> Self {
         let shape = shape.into();

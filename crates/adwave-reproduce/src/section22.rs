@@ -1,4 +1,4 @@
-//! Section 2.2: subdivision wavelets beside the bands, by compaction and by dependence on place.
+//! Section 2.2: subdivision wavelets compared with the bands, by compaction and by dependence on place.
 
 use crate::draw::{Sheet, SheetPanel, ValueRange};
 use crate::numbers::{decomposer, distance, extent, percent};
@@ -11,20 +11,21 @@ use adwave_baselines::compare::{Comparison, ComparisonInput, Method, compare};
 use adwave_io::ShapeFile;
 use adwave_subdivision::{Family, HaarWavelets, Hierarchy, LiftedWavelets, SubdivisionError, subdivide};
 
-/// Subdivisions of the ball; more than enough vertices for its finest bumps.
+/// Number of subdivisions of the ball; its vertices are more than enough for its finest bumps.
 const N_LEVELS: usize = 5;
-/// Vertices of the shape without levels.
+/// Number of vertices of the shape without levels.
 const N_VERTICES: usize = 14_000;
-/// Bands of the comparison.
+/// Number of bands in the comparison.
 const N_BANDS: usize = 8;
-/// Level whose wavelets are drawn: those of the vertices that the ball with 162 vertices adds to the one with 42.
+/// Level whose wavelets are drawn: those of the vertices that the ball with 162 vertices has in addition to the ball
+/// with 42.
 const DRAWN_LEVEL: usize = 4;
 /// Largest rounding error of a lossless reconstruction, in model units of a ball of radius 1.
 const LOSSLESS: f64 = 1e-12;
-/// Share of the energy of a wavelet that lies within its core.
+/// Share of a wavelet's energy that lies within its core.
 const CORE: f64 = 0.99;
 
-/// Names of the quantities that the verdict is based on, as the comparison calls them.
+/// Beginnings of the names of the quantities on which the verdict is based, as in the comparison.
 const COMPACTION: &str = "error with a tenth";
 const PLACE: &str = "share of a bump's energy";
 const RECONSTRUCTION: &str = "largest error";
@@ -124,12 +125,12 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(sizes(&hierarchy)))
 }
 
-/// Levels of subdivision of a model.
+/// Finds the levels of subdivision of a model.
 fn levels(model: &Model) -> Result<Hierarchy, SubdivisionError> {
     Hierarchy::new(model.points().len(), &model.triangles, Progress::none())
 }
 
-/// Bands and wavelets by lifting on the coordinates.
+/// Compares bands and wavelets by lifting on the coordinates.
 fn comparison(context: &Context<'_>, model: &Model) -> Result<Comparison, FigureError> {
     let start = std::time::Instant::now();
     let decomposer = decomposer(model);
@@ -149,7 +150,7 @@ fn comparison(context: &Context<'_>, model: &Model) -> Result<Comparison, Figure
     Ok(compare(&input, Method::Subdivision, context.progress)?)
 }
 
-/// The numbers of adwave and of the other method for a quantity; NaN where there is none, for which no claim holds.
+/// Numbers of adwave and of the other method for a quantity; NaN for a missing number, for which no claim holds.
 fn quantity(comparison: &Comparison, beginning: &str) -> [f64; 2] {
     let row = comparison.rows.iter().find(|row| row.quantity.starts_with(beginning));
     row.map_or([f64::NAN; 2], |row| [row.adwave, row.other].map(|value| value.unwrap_or(f64::NAN)))
@@ -171,7 +172,7 @@ fn sizes(hierarchy: &Hierarchy) -> Table {
     table
 }
 
-/// The ball and its coarser levels, down to 42 vertices, each as a mesh.
+/// Returns the ball and its coarser levels, down to 42 vertices, each as a mesh.
 fn coarse_balls(ball: &Model, hierarchy: &Hierarchy) -> Result<Vec<Model>, FigureError> {
     let mut models = Vec::new();
     for level in 0..hierarchy.n_levels() {
@@ -182,14 +183,15 @@ fn coarse_balls(ball: &Model, hierarchy: &Hierarchy) -> Result<Vec<Model>, Figur
     Ok(models)
 }
 
-/// A wavelet on a model.
+/// Wavelet on a model, with one value per vertex.
 struct Wave {
     name: String,
     model: Model,
     values: Vec<f64>,
 }
 
-/// A wavelet of each family and one of the bands, all around the same place, and the share of the ball that holds most of each.
+/// Computes a wavelet of each family and one of the bands, all around about the same place, and for each the share of
+/// the ball that holds most of its energy.
 fn wavelets(ball: &Model, hierarchy: &Hierarchy) -> Result<(Vec<Wave>, Vec<f64>), FigureError> {
     let (points, none) = (ball.points(), Progress::none);
     let areas = mesh_areas(points, &ball.triangles, MeshArea::Barycentric);
@@ -205,7 +207,7 @@ fn wavelets(ball: &Model, hierarchy: &Hierarchy) -> Result<(Vec<Wave>, Vec<f64>)
         push(family.to_string(), ball.clone(), values);
     }
     let lifted = LiftedWavelets::new_irregular(points, &ball.triangles, &areas, none())?;
-    // The levels of removed vertices are closer to each other: of those near the drawn one, the vertex that suits the picture.
+    // This family has more levels: take the coarsest with at least as many vertices, and a vertex near that level.
     let fewest = hierarchy.n_vertices(DRAWN_LEVEL);
     let level = (1..=lifted.n_levels()).rev().find(|&k| lifted.n_vertices_at(k) >= fewest).unwrap_or(1);
     let vertex = facing_vertex(points, |v| (lifted.levels()[v] as usize).abs_diff(level) <= 2);
@@ -231,7 +233,7 @@ fn wavelets(ball: &Model, hierarchy: &Hierarchy) -> Result<(Vec<Wave>, Vec<f64>)
     Ok((waves, cores))
 }
 
-/// Share of the places on which most of the energy of a function lies.
+/// Share of the vertices that hold most of the energy of a function.
 fn core(values: &[f64]) -> f64 {
     let mut squares: Vec<f64> = values.iter().map(|v| v * v).collect();
     squares.sort_by(|a, b| b.total_cmp(a));
@@ -245,21 +247,21 @@ fn core(values: &[f64]) -> f64 {
     n_core.count() as f64 / values.len() as f64
 }
 
-/// The signal that is 1 at one place and 0 at the others.
+/// Returns the signal of n values that is 1 at one vertex and 0 at the others.
 fn unit(n: usize, at: usize) -> Vec<f64> {
     let mut signal = vec![0.0; n];
     signal[at] = 1.0;
     signal
 }
 
-/// The point on the side of the viewer, of those with a property.
+/// Finds the vertex on the side of the viewer, among those with a property.
 fn facing_vertex(points: &[Vector], has: impl Fn(usize) -> bool) -> usize {
     const TOWARDS_VIEWER: Vector = [0.45, 0.35, 0.82];
     let score = |v: &usize| dot(&points[*v], &TOWARDS_VIEWER);
     (0..points.len()).filter(|&v| has(v)).max_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(0)
 }
 
-/// The faces of a model with corners of their own, and the face of each corner.
+/// Separates the faces of a model, so that each has its own corners, and returns the face of each corner.
 fn separate_faces(model: &Model) -> Result<(Model, Vec<usize>), FigureError> {
     let points = model.triangles.iter().flatten().map(|&v| model.points()[v as usize]).collect();
     let n = model.triangles.len() as u32;
@@ -276,7 +278,7 @@ fn area([a, b, c]: [Vector; 3]) -> f64 {
     0.5 * norm(&cross(&subtract(&b, &a), &subtract(&c, &a)))
 }
 
-/// An icosahedron subdivided `n_levels` times, its vertices moved to a unit sphere with bumps of several sizes.
+/// Subdivides an icosahedron `n_levels` times and moves its vertices to a unit sphere with bumps of several sizes.
 fn ball_of_bumps(n_levels: usize) -> Result<Model, FigureError> {
     let (mut points, mut triangles) = icosahedron();
     for _ in 0..n_levels {
@@ -303,7 +305,7 @@ fn ball_of_bumps(n_levels: usize) -> Result<Model, FigureError> {
     )?)
 }
 
-/// The `k`-th of `n` directions that cover the sphere evenly.
+/// Returns the `k`-th of `n` unit vectors that cover the sphere evenly.
 fn spiral(k: usize, n: usize) -> Vector {
     let z = 1.0 - (2 * k + 1) as f64 / n as f64;
     let radius = (1.0 - z * z).sqrt();
@@ -315,7 +317,7 @@ fn project_to_sphere(p: &Vector) -> Vector {
     p.map(|x| x / norm(p))
 }
 
-/// The regular icosahedron on the unit sphere, with faces that look outward.
+/// Builds the regular icosahedron on the unit sphere, with faces oriented outward.
 fn icosahedron() -> (Vec<Vector>, Vec<[u32; 3]>) {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
     let mut points: Vec<Vector> = Vec::new();

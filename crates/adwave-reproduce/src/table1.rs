@@ -1,4 +1,4 @@
-//! Table 1: the properties of three kinds of wavelets, as numbers.
+//! Table 1: properties of three kinds of wavelets, as numbers.
 
 use crate::charts::{N_POINTS, line};
 use crate::{Context, FigureError, Outcome, Table, Verdict, digits};
@@ -113,12 +113,13 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table))
 }
 
-/// Formats a number about the downsampled scaling functions (0) or wavelets (1).
+/// Formats a number about the downsampled scaling functions (`which` = 0) or wavelets (1).
 fn downsampled(case: &LineCase, which: usize, number: impl Fn(&Downsampled) -> String) -> String {
     case.downsampled.as_ref().map_or(String::new(), |d| number(&d[which]))
 }
 
-/// Computes `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for a wavelet scaled to unit norm, where F are its coefficients in the orthonormal cosines of the line.
+/// Computes `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for a wavelet scaled to unit norm, where F are its coefficients in the
+/// orthonormal cosines of the line.
 fn admissibility(wavelet: &[f64]) -> [f64; 2] {
     let n = wavelet.len();
     let square: f64 = wavelet.iter().map(|v| v * v).sum();

@@ -10,7 +10,8 @@ use adwave_render::plot::{Chart, Mark, Series};
 use adwave_report::analysis::features;
 use std::time::Instant;
 
-/// Model, vertices, levels, and the paper's seconds for the wavelets and for the processing.
+/// Rows of the table: model, number of vertices, number of levels, and the paper's seconds for the wavelets and for the
+/// processing.
 const ROWS: [(&str, usize, usize, f64, f64); 12] = [
     ("dinosaur", 14053, 8, 35.03, 0.03),
     ("armadillo", 50000, 6, 30.61, 5.52),
@@ -124,7 +125,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table))
 }
 
-/// The least and the largest.
+/// Smallest and largest value.
 fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, 0.0), |(least, most), &v| (v.min(least), v.max(most)))
 }

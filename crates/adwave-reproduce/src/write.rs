@@ -1,4 +1,4 @@
-//! Writing of the files of figures and of the page of all.
+//! Writing of the files of figures and of the page of all figures.
 
 use crate::index::html;
 use crate::{Outcome, ReproduceError, ReproducedFigure, Target, display_path};
@@ -21,7 +21,7 @@ pub(crate) fn check(target: &Target) -> Result<(), ReproduceError> {
     }
 }
 
-/// Writes the files of one figure. Returns their paths.
+/// Writes the files of one figure, and returns their paths.
 pub(crate) fn figure(root: &Path, folder: &str, outcome: &Outcome) -> Result<Vec<PathBuf>, ReproduceError> {
     let folder = root.join(folder);
     std::fs::create_dir_all(&folder).map_err(|e| failed(&folder, e))?;

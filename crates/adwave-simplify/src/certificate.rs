@@ -1,12 +1,12 @@
-//! Proof during collapses that every point of the original is within a limit of the simplified surface.
+//! Proof, maintained during collapses, that every point of the original is within a limit of the simplified surface.
 //!
-//! Each triangle t of the original keeps a list of faces, its cover: every point of t is within the limit of one of them.
-//! A collapse changes the faces around one vertex; the triangles whose covers have one of these need a new cover, else the
-//! collapse is refused. Hence the bound holds after every collapse, and errors do not add up. A cover of one face is proven
-//! by three distances, because the distance to a triangle is convex (`proof`).
+//! Each triangle t of the original keeps a list of faces, its cover: every point of t is within the limit of one of
+//! them. A collapse changes the faces around one vertex. The triangles whose covers contain such a face need a new
+//! cover; otherwise the collapse is refused. Hence the bound holds after every collapse, and errors do not add up. A
+//! cover of one face is proven by three distances, because the distance to a triangle is convex (`proof`).
 //!
-//! Covers consist of faces of the same chart (part between seams), so that the limit holds for each material and for the
-//! position of seams. For the opposite direction, new faces are compared with the whole original.
+//! Covers consist of faces of the same chart (part between seams), so that the limit holds for each material and for
+//! the position of seams. For the opposite direction, new faces are compared with the whole original.
 
 use crate::colors::WedgeColors;
 use crate::connectivity::{Collapse, Connectivity};
@@ -18,14 +18,15 @@ use crate::wedges::Wedges;
 /// Largest number of pieces into which a triangle is divided to find a cover.
 const MAX_COVER_PIECES: usize = 96;
 
-/// Largest number of pieces of a new face that is compared with the original, beside 64 for each triangle that it covers.
+/// Largest number of pieces of a new face in the comparison with the original, plus 64 for each triangle with a new
+/// cover.
 const MIN_FACE_PIECES: usize = 256;
 
 /// Original surface, and the attributes that the proof covers.
 pub(crate) struct Original<'a> {
     pub(crate) wedges: &'a Wedges,
     pub(crate) surface: &'a TriangleSurface,
-    /// Chart of each triangle.
+    /// Chart of each triangle of the original.
     pub(crate) charts: &'a [u32],
     pub(crate) colors: Option<&'a WedgeColors>,
 }
@@ -35,41 +36,41 @@ pub(crate) struct Certificates<'a> {
     original: Original<'a>,
     limit: f64,
     squared_limit: f64,
-    /// Faces that cover each triangle.
+    /// Cover of each triangle of the original.
     cover: Vec<Cover>,
-    /// Triangles that each face covers in part.
+    /// Triangles of the original whose covers contain each face.
     covered: Vec<Vec<u32>>,
-    /// Number of the test in which a triangle or a face was last seen.
+    /// Number of the last test in which the cover of each triangle was sought.
     seen: Vec<u32>,
     in_star: Vec<u32>,
     test: u32,
     new_covers: NewCovers,
     new_faces: TriangleList,
-    /// Boxes around the new faces, as far beyond them as the limit.
+    /// Bounding boxes of the new faces, enlarged by the limit.
     boxes: Vec<[Point; 2]>,
-    /// New faces near each wedge of the original.
+    /// New faces within the limit of each wedge of the original.
     near_faces: Vec<NearFaces>,
     other_faces: TriangleList,
-    /// Triangle that had no cover when each position was last tried.
+    /// Triangle that had no cover when the collapse of each position was last tried, or `NONE`.
     witnesses: Vec<u32>,
 }
 
 /// New faces within the limit of a point.
 #[derive(Clone, Copy, Default)]
 struct NearFaces {
-    /// Number of the test in which they were found.
+    /// Number of the test in which the faces were found.
     test: u32,
     /// One bit for each of the first 64 faces.
     faces: u64,
 }
 
-/// Number of new faces that a triangle is compared with as a whole; of more, it is compared with pieces.
+/// Number of new faces up to which a triangle is compared with each as a whole.
 const MAX_NEW_FACES: usize = 64;
 
-/// Mark of a position that was not tried in vain.
+/// Marker of a position whose collapse was never refused for a missing cover.
 const NONE: u32 = u32::MAX;
 
-/// Faces that cover a triangle, most often one.
+/// Faces that cover a triangle, usually one.
 struct Cover {
     first: u32,
     others: Vec<u32>,
@@ -81,10 +82,10 @@ impl Cover {
     }
 }
 
-/// Covers to be kept if a collapse is carried out.
+/// Covers that replace the present ones if a collapse is carried out.
 #[derive(Default)]
 struct NewCovers {
-    /// Triangle, and the end of its faces.
+    /// Triangle, and the end of its faces in `faces`.
     triangles: Vec<(u32, usize)>,
     faces: Vec<u32>,
 }
@@ -110,7 +111,8 @@ impl<'a> Certificates<'a> {
         }
     }
 
-    /// Finds new covers for all triangles that a planned collapse affects; `false` if one has none.
+    /// Finds new covers for all triangles that a planned collapse affects; `false` if a triangle has none, or if a new
+    /// face is too far from the original.
     pub(crate) fn allows(&mut self, connectivity: &Connectivity, plan: &Collapse) -> bool {
         self.test += 1;
         self.list_new_faces(connectivity, plan);
@@ -136,12 +138,12 @@ impl<'a> Certificates<'a> {
         self.are_near_original(plan.moved.len())
     }
 
-    /// Tells if a face that covers a triangle changes.
+    /// True if the collapse changes a face that covers the triangle.
     fn is_affected(&self, t: u32) -> bool {
         self.cover[t as usize].faces().any(|face| self.in_star[face as usize] == self.test)
     }
 
-    /// Adds a new cover of a triangle; `false` if there is none.
+    /// Adds a new cover of a triangle to the new covers; `false` if there is none.
     fn cover_again(&mut self, t: u32, connectivity: &Connectivity) -> bool {
         self.seen[t as usize] = self.test;
         let is_covered = self.find_cover(t, connectivity);
@@ -179,7 +181,7 @@ impl<'a> Certificates<'a> {
         self.boxes.extend(self.new_faces.corners.iter().map(bounds));
     }
 
-    /// New faces within the limit of a wedge of the original, as bits.
+    /// Finds the new faces within the limit of a wedge of the original; bit k stands for face k.
     fn faces_near(&mut self, wedge: u32) -> u64 {
         let known = self.near_faces[wedge as usize];
         if known.test == self.test {
@@ -202,7 +204,7 @@ impl<'a> Certificates<'a> {
         self.original.charts[face as usize] == self.original.charts[t as usize]
     }
 
-    /// Appends a cover of a triangle to the new covers.
+    /// Finds a cover of a triangle and appends its faces to the new covers; `false` if there is none.
     fn find_cover(&mut self, t: u32, connectivity: &Connectivity) -> bool {
         let near = self.original.wedges.triangles[t as usize].map(|wedge| self.faces_near(wedge));
         let has_few = self.new_faces.ids.len() <= MAX_NEW_FACES;
@@ -233,7 +235,7 @@ impl<'a> Certificates<'a> {
         self.find_cover_by_pieces(t, &triangle, connectivity)
     }
 
-    /// Appends a cover by several faces, found by dividing the triangle.
+    /// Finds a cover by several faces, by dividing the triangle, and appends these faces; `false` if there is none.
     fn find_cover_by_pieces(&mut self, t: u32, triangle: &[Point; 3], connectivity: &Connectivity) -> bool {
         let mut faces = std::mem::take(&mut self.other_faces);
         faces.clear();
@@ -266,7 +268,7 @@ impl<'a> Certificates<'a> {
         is_covered
     }
 
-    /// Tells if the colors at the corners of a triangle are kept by the nearest faces.
+    /// True if the nearest faces keep the colors at the corners of a triangle.
     fn keeps_colors(&self, t: u32, faces: &TriangleList) -> bool {
         let Some(colors) = self.original.colors else { return true };
         self.original.wedges.triangles[t as usize].iter().all(|&wedge| {
@@ -277,7 +279,7 @@ impl<'a> Certificates<'a> {
         })
     }
 
-    /// Tells if the moved faces are within the limit of the original.
+    /// True if every moved face is within the limit of the original.
     fn are_near_original(&self, n_moved: usize) -> bool {
         let max_pieces = MIN_FACE_PIECES + 64 * self.new_covers.triangles.len();
         let goal = Goal::decision(self.limit, max_pieces);
@@ -288,7 +290,7 @@ impl<'a> Certificates<'a> {
         })
     }
 
-    /// Keeps the covers found by the last test, whose collapse is carried out.
+    /// Stores the covers found by the last test, whose collapse is carried out.
     pub(crate) fn commit(&mut self, plan: &Collapse) {
         for &face in plan.moved.iter().map(|(face, _)| face).chain(&plan.vanishing) {
             self.covered[face as usize].clear();

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CloudTarget {
-    /// Smallest distance between kept points, in model units; every dropped point has a kept one within it.
+    /// Smallest distance between kept points, in model units; every dropped point has a kept point within it.
     Spacing(f64),
     /// Number of points, reached by a search for the spacing.
     Points(usize),
@@ -24,7 +24,7 @@ pub enum CloudTarget {
 pub struct ThinnedCloud {
     /// Indices of the kept points, increasing.
     pub kept: Vec<u32>,
-    /// Smallest allowed distance of two kept points, in model units.
+    /// Smallest allowed distance between two kept points, in model units.
     pub spacing: f64,
     /// Distances from the original points to the kept ones, with equal areas. The opposite direction is 0, because kept
     /// points are points of the original.
@@ -33,12 +33,14 @@ pub struct ThinnedCloud {
 
 /// Thins a cloud evenly by greedy dart throwing (`cook1986`) among its points.
 ///
-/// Points are visited in a pseudorandom order that depends on their positions only. Each is kept unless a kept point is
-/// nearer than the spacing r. Hence no two kept points are nearer than r, every dropped point has a kept one within r, and
-/// the first of several points at one position is kept. The order of the points in the file matters only for this choice.
+/// Points are visited in a pseudorandom order that depends only on their positions. Each is kept unless a kept point is
+/// nearer than the spacing r. Hence no two kept points are nearer than r, and every dropped point has a kept point
+/// within r. Of several points at one position, only the first in the file can be kept; otherwise the order in the file
+/// does not matter.
 ///
-/// Costs O(n log n) for each spacing that is tried: one for [`CloudTarget::Spacing`], at most 12 for a number of points,
-/// which come within 1 % if the points are not on a grid. The result does not depend on the number of threads.
+/// Costs O(n log n) for each spacing that is tried: one for [`CloudTarget::Spacing`], at most 12 for a number of
+/// points. The number of kept points is then within 1 % of the target, unless the points are on a grid. The result does
+/// not depend on the number of threads.
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] for an invalid target and on cancellation.
@@ -80,7 +82,7 @@ pub fn simplify_cloud(
     finish(&thinning, unit * spacing, unit, progress)
 }
 
-/// Returns the result that keeps every point.
+/// Returns the result that keeps all n points.
 fn keep_all(n: usize) -> ThinnedCloud {
     ThinnedCloud { kept: (0..n as u32).collect(), spacing: 0.0, deviation: Deviation::default() }
 }
@@ -94,7 +96,8 @@ const COUNT_TOLERANCE: f64 = 0.01;
 /// Smallest spacing relative to the longest side; below it, cell numbers would be dominated by rounding.
 const MIN_SPACING: f64 = 1e-12;
 
-/// Searches for the spacing that keeps about `target_count` points, by a power law within the bracket of earlier tries.
+/// Searches for the spacing that keeps about `target_count` points, by a power law within the interval of earlier
+/// tries.
 fn thin_to_count<'a>(
     target_count: usize,
     progress: Progress<'_>,
@@ -170,17 +173,17 @@ fn hash_order(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<u32>, C
 /// Marker for a missing point or cell.
 const NONE: u32 = u32::MAX;
 
-/// Points in cubic cells of the spacing; neighbors within the spacing lie in the 27 cells around a point.
+/// Points in cubic cells whose side is the spacing; neighbors within the spacing lie in the 27 cells around a point.
 struct Thinning<'a> {
     points: &'a [[f64; 3]],
     spacing: f64,
     /// Cell of each point.
     cell: Vec<u32>,
-    /// Nonempty cells around each cell, including itself.
+    /// Nonempty cells around each cell, itself included, then `NONE`.
     around: Vec<[u32; 27]>,
-    /// Last kept point of each cell, the head of a linked list.
+    /// Last kept point of each cell, the head of a linked list, or `NONE`.
     head: Vec<u32>,
-    /// Previous kept point of the same cell, or `DROPPED`.
+    /// Previous kept point of the same cell, `NONE` for the first, or `DROPPED`.
     before: Vec<u32>,
 }
 
@@ -257,7 +260,7 @@ impl<'a> Thinning<'a> {
     }
 }
 
-/// Points that a thread processes at a time.
+/// Number of points that a thread processes at a time.
 const POINTS_PER_CHUNK: usize = 1 << 12;
 
 /// Computes the cell of each point, numbered by coordinates, and the nonempty cells around each cell.

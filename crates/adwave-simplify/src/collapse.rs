@@ -1,12 +1,12 @@
-//! Edge collapses in the order of the quadric error, that keep the topology.
+//! Edge collapses in the order of the quadric error, which keep the topology.
 //!
-//! Libraries: meshoptimizer (C++) is faster, but it collapses across rings of three edges, so that manifold meshes become
-//! non-manifold, drops small parts, and cannot be asked about a collapse before it carries it out. Of the Rust libraries,
-//! `meshopt-rs` is a port of an early version without a release since 2021; `baby_shark` and `alum` collapse half-edges, and
-//! therefore reject or drop non-manifold parts and move vertices.
+//! Libraries: meshoptimizer (C++) is faster, but it collapses across rings of three edges, so that manifold meshes
+//! become non-manifold; it drops small parts, and cannot be asked about a collapse before it carries it out. Of the
+//! Rust libraries, `meshopt-rs` is a port of an early version without a release since 2021; `baby_shark` and `alum`
+//! collapse half-edges, and therefore reject or drop non-manifold parts and move vertices.
 //!
-//! A vertex is removed by moving it to a neighbor, so that a subset of the vertices remains. Its cost is the mean squared
-//! distance of the neighbor from the planes around the vertex and around all vertices that were moved there.
+//! A vertex is removed by moving it to a neighbor, so that a subset of the vertices remains. Its cost is the mean
+//! squared distance of the neighbor from the planes around the vertex and around all vertices that were moved there.
 
 use crate::certificate::Certificates;
 use crate::colors::WedgeColors;
@@ -18,13 +18,13 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Cost of a unit of squared edge length, which orders the collapses of flat parts.
+/// Cost per squared edge length, which orders the collapses of flat parts.
 const LENGTH_COST: f64 = 1e-9;
 
-/// Number of tries between two checks for cancellation.
+/// Number of tried collapses between two checks for cancellation.
 const TRIES_PER_CHECK: u64 = 1 << 12;
 
-/// Largest number of times that the wait of a vertex without a collapse is doubled.
+/// Largest number of times that the waiting time of a vertex without a collapse is doubled.
 const MAX_DOUBLINGS: u32 = 6;
 
 /// Next collapse of a vertex.
@@ -33,17 +33,17 @@ struct Candidate {
     cost: f64,
     target: u32,
     stamp: u32,
-    /// The cost includes the change of colors.
+    /// True if the cost includes the change of colors.
     is_exact: bool,
 }
 
-/// Entry of the heap: the cost in single precision, whose bits have the order of nonnegative numbers, and the vertex. The
-/// least cost comes first, of equal ones the least vertex.
+/// Entry of the heap: the cost in single precision, whose bits have the order of nonnegative numbers, and the vertex.
+/// The smallest cost comes first; of equal costs, the smallest vertex.
 fn entry(cost: f64, vertex: u32) -> Reverse<u64> {
     Reverse(u64::from((cost as f32).to_bits()) << 32 | u64::from(vertex))
 }
 
-/// Time at which a vertex that could not be collapsed is tried again.
+/// Number of changes around a vertex after which a failed collapse is tried again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Retry {
     n_failures: u32,
@@ -57,9 +57,9 @@ pub(crate) struct Collapser<'a> {
     colors: Option<&'a WedgeColors>,
     certificates: Option<Certificates<'a>>,
     turning: Turning,
-    /// Number of changes around each vertex.
+    /// Number of changes of the faces around each vertex.
     stamps: Vec<u32>,
-    /// Vertices with a candidate in the heap; an outdated one is ranked again when it comes first.
+    /// True for vertices with a candidate in the heap; an outdated candidate is ranked again when it comes first.
     is_queued: Vec<bool>,
     retries: Vec<Retry>,
     /// Candidates of the vertices in the heap.
@@ -100,8 +100,9 @@ impl<'a> Collapser<'a> {
         }
     }
 
-    /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible; returns the
-    /// number of remaining vertices. `vertex` names the vertex of each wedge. O(n log n) for vertices of bounded degree.
+    /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible, and
+    /// returns the number of remaining vertices. `vertex` has the vertex of each wedge. O(n log n) for vertices of
+    /// bounded degree.
     pub(crate) fn run(
         &mut self,
         n: usize,
@@ -140,7 +141,7 @@ impl<'a> Collapser<'a> {
         Ok(remaining)
     }
 
-    /// Number of vertices at the wedges that the last collapse removed.
+    /// Number of vertices that the last collapse removed; `vertex` has the vertex of each wedge.
     fn n_removed(&self, vertex: &[u32]) -> usize {
         let wedges = &self.plan.wedges;
         let is_first = |k: usize| {
@@ -170,14 +171,15 @@ impl<'a> Collapser<'a> {
         self.next_candidate(u, None)
     }
 
-    /// Finds the cheapest collapse of a vertex, or the next one after that to a target.
+    /// Finds the cheapest collapse of a vertex, or the next one after the collapse to the target `last`.
     fn next_candidate(&mut self, u: u32, last: Option<u32>) -> Option<Candidate> {
         let quadric = &self.quadrics[u as usize];
         let next = next_target(&self.connectivity, quadric, u, last, &mut self.neighbors);
         next.map(|next| Candidate { stamp: self.stamps[u as usize], ..next })
     }
 
-    /// Carries out a collapse if it is possible; otherwise the next one of the vertex becomes the candidate.
+    /// Carries out the candidate collapse of a vertex if it is possible, and returns `true`; otherwise queues the next
+    /// one.
     fn try_candidate(&mut self, u: u32) -> bool {
         let candidate = self.candidates[u as usize];
         let is_planned = self.connectivity.plan(u, candidate.target, self.turning, &mut self.plan);
@@ -201,8 +203,8 @@ impl<'a> Collapser<'a> {
         self.is_queued[u as usize] = true;
     }
 
-    /// Waits with a vertex that has no collapse: for the next change around it, or, if every try needs a proof, for twice as
-    /// many changes as before.
+    /// Postpones a vertex that has no collapse until the next change around it. If every try needs a proof, the vertex
+    /// waits for twice as many changes as before.
     fn postpone(&mut self, u: u32) {
         let (retry, stamp) = (&mut self.retries[u as usize], self.stamps[u as usize]);
         let wait = if self.certificates.is_some() { 1 << retry.n_failures.min(MAX_DOUBLINGS) } else { 1 };
@@ -225,7 +227,8 @@ impl<'a> Collapser<'a> {
         self.stamps[self.plan.from as usize] += 1;
     }
 
-    /// Marks the candidates of the vertices around the last collapse as outdated, and makes new ones where there are none.
+    /// Marks the candidates of the vertices around the last collapse as outdated, and finds new ones for vertices
+    /// without a candidate.
     fn update(&mut self) {
         // The faces around other neighbors of the target are as before, and so are their costs.
         let moved = self.plan.moved.iter().map(|(_, wedges)| *wedges).chain(self.plan.gone.iter().copied());
@@ -249,7 +252,8 @@ impl<'a> Collapser<'a> {
         self.changed = changed;
     }
 
-    /// Squared length by which the planned collapse moves colors: the change at the removed vertex times the edge length.
+    /// Squared length by which the planned collapse moves colors: the square of the change at the removed vertex times
+    /// the edge length.
     fn color_cost(&self) -> f64 {
         let Some(colors) = self.colors else { return 0.0 };
         let p = self.connectivity.point(self.plan.from);
@@ -268,8 +272,8 @@ impl<'a> Collapser<'a> {
     }
 }
 
-/// Finds the cheapest collapse of a vertex, or the next one after that to the target `last`; of equal ones that to the least
-/// target. `neighbors` is scratch space.
+/// Finds the cheapest collapse of a vertex, or the next one after the collapse to the target `last`; of equal costs,
+/// the collapse to the smallest target. `neighbors` is scratch space.
 fn next_target(
     connectivity: &Connectivity,
     quadric: &Quadric,

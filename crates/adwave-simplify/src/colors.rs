@@ -1,22 +1,22 @@
-//! Colors and texture coordinates at wedges, and their change by a simplification.
+//! Colors and texture coordinates at wedges, and the change of them by a simplification.
 
 use crate::appearance::AppearanceValues;
 use crate::geometry::{length, minus};
 use crate::wedges::Wedges;
 
-/// Difference of a value that is not regarded as a change, relative to the full range: four steps of 8 bits.
+/// Difference between values that is not regarded as a change, relative to the full range: four steps of 8 bits.
 const VALUE_TOLERANCE: f64 = 1.0 / 64.0;
 
-/// Values at wedges, and how fast they change.
+/// Values at wedges, and the largest rates at which they change.
 pub(crate) struct WedgeColors {
     n_channels: usize,
     values: Vec<f64>,
-    /// Largest change per length along an edge at each wedge, in the unit box.
+    /// Largest change per length along the edges at each wedge, with lengths in the unit box.
     slope: Vec<f64>,
 }
 
 impl WedgeColors {
-    /// Takes the values of one corner per wedge.
+    /// Copies the values of one corner of each wedge.
     pub(crate) fn new(wedges: &Wedges, corner_values: AppearanceValues<'_>) -> Self {
         let n_channels = corner_values.n_channels;
         let mut values = vec![0.0; wedges.points.len() * n_channels];
@@ -45,15 +45,16 @@ impl WedgeColors {
         &self.values[wedge as usize * self.n_channels..][..self.n_channels]
     }
 
-    /// Largest difference over the channels between a wedge and a point of a face, given by barycentric coordinates.
+    /// Largest difference over the channels between the value of a wedge and that of a point of a face, given by
+    /// barycentric weights.
     pub(crate) fn difference(&self, wedge: u32, face: [u32; 3], weights: [f64; 3]) -> f64 {
         let [a, b, c] = face.map(|corner| self.row(corner));
         let interpolate = |k: usize| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k];
         self.row(wedge).iter().enumerate().map(|(k, x)| (x - interpolate(k)).abs()).fold(0.0, f64::max)
     }
 
-    /// Tells if a point of a face has a value that the original has within `limit` of a wedge: the difference is at most
-    /// that along an edge of this length, or too small to be seen.
+    /// True if the value at a point of a face occurs on the original within `limit` of a wedge: the difference is at
+    /// most the largest change along an edge of this length, plus a tolerance that is too small to be seen.
     pub(crate) fn is_kept(&self, wedge: u32, face: [u32; 3], weights: [f64; 3], limit: f64) -> bool {
         self.difference(wedge, face, weights) <= VALUE_TOLERANCE + limit * self.slope[wedge as usize]
     }

@@ -8,22 +8,22 @@ use rayon::prelude::*;
 /// Marker of a removed face.
 const REMOVED: u32 = u32::MAX;
 
-/// Smallest cosine of the angle by which a collapse may turn a face.
+/// Smallest cosine of the angle by which a collapse may turn a face, for [`Turning::Limited`].
 const MIN_COSINE: f64 = 0.25;
 
-/// Smallest doubled area of a new face relative to its squared longest side.
+/// Smallest doubled area of a moved face, relative to its squared longest side.
 const MIN_RELATIVE_AREA: f64 = 1e-8;
 
-/// Largest number of faces around a vertex that may be removed.
+/// Largest number of faces around a vertex that a collapse may remove.
 const MAX_FACES: usize = 256;
 
-/// Room for the faces that the first collapses to a vertex add.
+/// Number of faces that the list of a vertex has room for beyond the initial ones.
 const SPARE_FACES: usize = 4;
 
 /// Number of faces around a vertex up to which a list is searched directly.
 const FEW_FACES: usize = 32;
 
-/// Rule on the angle by which a collapse may turn faces.
+/// Limit of the angle by which a collapse may turn faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Turning {
     /// No face turns by more than 75°.
@@ -32,7 +32,7 @@ pub(crate) enum Turning {
     Free,
 }
 
-/// Faces over wedges, and the faces around each position. A position is the place of one or more wedges.
+/// Faces over wedges, and the faces around each position. A position is the common point of one or more wedges.
 pub(crate) struct Connectivity {
     /// Wedges of each face, or `REMOVED`.
     pub(crate) faces: Vec<[u32; 3]>,
@@ -45,7 +45,7 @@ pub(crate) struct Connectivity {
     /// Coordinates of each position.
     points: Vec<Point>,
     kinds: Vec<VertexKind>,
-    /// Face on the back of each face, the same face in the opposite orientation, or `REMOVED`; it is not among the faces
+    /// Face with the same corners in the opposite orientation for each face, or `REMOVED`; it is not among the faces
     /// around positions.
     back: Vec<u32>,
 }
@@ -57,7 +57,7 @@ pub(crate) enum VertexKind {
     Smooth,
     /// Lies on a curve of border, seam or non-manifold edges, and may collapse along that curve.
     Curve,
-    /// End or junction of such curves; is kept.
+    /// Lies at an end or a junction of such curves, and is kept.
     Fixed,
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct Collapse {
     pub(crate) from: u32,
     pub(crate) to: u32,
     pub(crate) vanishing: Vec<u32>,
-    /// Wedges of the vanishing faces.
+    /// Wedges of the vanishing faces before the collapse.
     pub(crate) gone: Vec<[u32; 3]>,
     /// Moved faces, with their wedges after the collapse.
     pub(crate) moved: Vec<(u32, [u32; 3])>,
@@ -127,7 +127,7 @@ impl Connectivity {
         wedges.map(|wedge| self.points[self.position[wedge as usize] as usize])
     }
 
-    /// Returns the remaining faces, and their indices.
+    /// Returns the remaining faces, as wedges, and their indices.
     pub(crate) fn triangles(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
         let left = (0..self.faces.len() as u32).filter(|&face| !self.is_removed(face));
         let sides = left.flat_map(|face| {
@@ -168,7 +168,7 @@ impl Connectivity {
         Some((wedges[k], wedges[l]))
     }
 
-    /// Tells if an edge is on a border or a seam, or has more than two faces.
+    /// True if an edge is on a border or a seam, or has more than two faces.
     fn is_feature(&self, u: u32, v: u32) -> bool {
         let (u, v) =
             if self.around[u as usize].len() > self.around[v as usize].len() { (v, u) } else { (u, v) };
@@ -199,7 +199,7 @@ impl Connectivity {
         self.kinds[u as usize]
     }
 
-    /// Fixes the vertices on borders.
+    /// Fixes the vertices on borders, so that they are kept.
     pub(crate) fn fix_borders(&mut self) {
         let mut neighbors = Vec::new();
         for u in 0..self.n_positions() as u32 {
@@ -229,7 +229,7 @@ impl Connectivity {
         }
     }
 
-    /// Quadric of the planes around a position, and of the constraint planes of its curves.
+    /// Sum of the quadrics of the planes around a position and of the constraint planes of its curves.
     pub(crate) fn quadric(&self, u: u32) -> Quadric {
         let mut sum = Quadric::default();
         for &face in &self.around[u as usize] {
@@ -248,7 +248,7 @@ impl Connectivity {
         sum
     }
 
-    /// Plans the collapse of `u` to `v`; `None` if it would change the topology or a seam, or turn or flatten a face.
+    /// Plans the collapse of `u` to `v`; `false` if it would change the topology or a seam, or turn or flatten a face.
     pub(crate) fn plan(&self, u: u32, v: u32, turning: Turning, plan: &mut Collapse) -> bool {
         (plan.from, plan.to) = (u, v);
         plan.vanishing.clear();
@@ -290,8 +290,8 @@ impl Connectivity {
         n_left > 0
     }
 
-    /// Link condition (`dey1999`), counted on all faces: a position next to both ends is opposite to the edge in a face
-    /// that vanishes, no two faces become one, and no curve closes.
+    /// True if a collapse meets the link condition (`dey1999`), counted on all faces: a position next to both ends is
+    /// opposite to the edge in a face that vanishes, no two faces become one, and no curve closes.
     fn keeps_topology(&self, plan: &Collapse) -> bool {
         let (u, v) = (plan.from, plan.to);
         let opposite = |face: u32| self.positions_of(face).into_iter().find(|&x| x != u && x != v);
@@ -332,7 +332,7 @@ impl Connectivity {
         !plan.vanishing.iter().filter_map(|&face| opposite(face)).any(closes)
     }
 
-    /// Tells if a face of three positions keeps its direction and has an area if the first end of an edge moves to the second.
+    /// True if a face keeps its direction and has an area after the position `u` moves to `v`.
     fn keeps_direction(&self, at: [u32; 3], [u, v]: [u32; 2], turning: Turning) -> bool {
         let old = at.map(|x| self.points[x as usize]);
         let new = at.map(|x| self.points[if x == u { v } else { x } as usize]);

@@ -1,4 +1,4 @@
-//! Distances between two surfaces, with bounds that are proven.
+//! Distances between two surfaces, with proven bounds.
 
 use crate::geometry::{Point, center, doubled_area};
 use crate::proof::{Goal, PROOF_TOLERANCE, ROUNDING, bound_distance};
@@ -6,13 +6,13 @@ use crate::surface::{TriangleSearch, TriangleSurface};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// One-sided distance: from all points of one shape to the nearest points of another, in model units.
+/// One-sided distances from all points of one shape to the nearest points of another, in model units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OneSided {
-    /// Largest distance. For meshes an upper bound over all points of all triangles, not only over samples.
+    /// Largest distance. For meshes it is an upper bound over all points of all triangles, not only over samples.
     pub greatest: f64,
-    /// Distance of a point that was found, a lower bound of the largest distance: at least `greatest / 1.01`, except where
-    /// the bounds needed too many pieces.
+    /// Largest distance that was found at a point, a lower bound of the largest distance. It is at least
+    /// `greatest / 1.01`, except where the bounds needed too many pieces.
     pub at_least: f64,
     /// Root mean square `√(Σ a d² / Σ a)` over sample points, where a is the area that a sample point represents.
     pub rms: f64,
@@ -25,18 +25,19 @@ impl OneSided {
     }
 }
 
-/// Two-sided distance of a simplified shape from the original, in model units.
+/// Two-sided distances between a simplified shape and the original, in model units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// From the original to the nearest point of the simplified shape; the samples of `rms` are its vertices.
+    /// Distances from the original to the nearest point of the simplified shape; the samples of `rms` are the vertices
+    /// of the original.
     pub of_original: OneSided,
-    /// From the simplified shape to the nearest point of the original; the samples of `rms` are the center and the edge
-    /// midpoints of each triangle.
+    /// Distances from the simplified shape to the nearest point of the original; the samples of `rms` are the center
+    /// and the edge midpoints of each triangle.
     pub of_simplified: OneSided,
 }
 
 impl Deviation {
-    /// Larger of both largest distances. For meshes an upper bound of the Hausdorff distance.
+    /// Larger of both largest distances; for meshes an upper bound of the Hausdorff distance.
     pub fn greatest(&self) -> f64 {
         self.of_original.greatest.max(self.of_simplified.greatest)
     }
@@ -60,16 +61,16 @@ impl Deviation {
     }
 }
 
-/// Items that a thread processes at a time; the sums do not depend on the number of threads.
+/// Number of items that a thread processes at a time; the sums do not depend on the number of threads.
 const ITEMS_PER_CHUNK: usize = 1 << 10;
 
-/// Pieces that every triangle may be divided into.
+/// Number of pieces into which every triangle may be divided.
 const PIECES_PER_TRIANGLE: usize = 256;
 
-/// Pieces per triangle of both surfaces, distributed by area. A common refinement has fewer.
+/// Number of pieces per triangle of both surfaces, distributed by area. A common refinement has fewer.
 const PIECES_BY_AREA: f64 = 64.0;
 
-/// One surface of two that are compared, as triangles over points.
+/// One of two compared surfaces, as triangles over points.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfaceView<'a> {
     pub(crate) points: &'a [Point],
@@ -81,7 +82,7 @@ impl SurfaceView<'_> {
         self.triangles[t].map(|x| self.points[x as usize])
     }
 
-    /// Lists a triangle of each point.
+    /// Lists one triangle at each point, `u32::MAX` if there is none.
     pub(crate) fn triangle_at_points(&self) -> Vec<u32> {
         let mut found = vec![u32::MAX; self.points.len()];
         for (t, triangle) in self.triangles.iter().enumerate() {
@@ -93,7 +94,7 @@ impl SurfaceView<'_> {
     }
 }
 
-/// Distance to a sample point and the triangle that is nearest to it.
+/// Distance of a sample point, the nearest triangle, and the area that the point represents.
 #[derive(Clone, Copy)]
 struct DistanceSample {
     distance: f64,
@@ -101,8 +102,8 @@ struct DistanceSample {
     area: f64,
 }
 
-/// Collects the values of n items in parallel; `value` gets the index of an item and the value of the item before it, if
-/// there is one in the chunk.
+/// Computes the values of n items in parallel; `value` receives the index of an item and the value of the previous
+/// item, if there is one in the chunk.
 fn collect<T: Send>(
     n: usize,
     progress: Progress<'_>,
@@ -120,7 +121,7 @@ fn collect<T: Send>(
     Ok(chunks.into_iter().flatten().collect())
 }
 
-/// Largest distance and root mean square of samples, in their order.
+/// Largest distance and root mean square of the samples, summed in their order.
 fn summarize<'a>(samples: impl Iterator<Item = &'a DistanceSample>) -> (f64, f64) {
     let (mut greatest, mut squares, mut area) = (0.0_f64, 0.0, 0.0);
     for sample in samples {
@@ -131,7 +132,8 @@ fn summarize<'a>(samples: impl Iterator<Item = &'a DistanceSample>) -> (f64, f64
     (greatest, if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 })
 }
 
-/// Bounds the distances of all triangles of a surface, given distances that occur and triangles near each triangle.
+/// Bounds the distances of all triangles of a surface, given known distances, and for each triangle some triangles that
+/// are near.
 fn bound_all(
     from: SurfaceView<'_>,
     to: &TriangleSurface,
@@ -159,7 +161,8 @@ fn bound_all(
     Ok(side)
 }
 
-/// Measures the distance from the original to a simplified surface; points with a triangle in `triangle_at` lie on it.
+/// Measures the distance from the original to a simplified surface; points with a triangle in `triangle_at` lie on that
+/// triangle.
 pub(crate) fn measure_original(
     original: SurfaceView<'_>,
     areas: &[f64],
@@ -183,9 +186,8 @@ pub(crate) fn measure_original(
     bound_all(original, to, known, progress, hints)
 }
 
-/// Measures the distance from a simplified surface to the original, which contains the triangles for whose
-/// numbers `is_original` is true, and in
-/// which each point is on the triangle `triangle_at`.
+/// Measures the distance from a simplified surface to the original. The triangles for whose numbers `is_original` is
+/// true belong to the original; `triangle_at` has a triangle of the original at each point.
 pub(crate) fn measure_simplified(
     simplified: SurfaceView<'_>,
     is_original: impl Fn(usize) -> bool + Sync,
@@ -228,9 +230,9 @@ pub struct Triangles<'a> {
     pub triangles: &'a [[u32; 3]],
 }
 
-/// Measures the distance from all points of all triangles of one surface to another, in model units; `None` if one has no
-/// triangles. The samples of `rms` are the vertices of `from`. O(n log n), and more pieces where the surfaces are nearly
-/// equally far apart.
+/// Measures the distance from all points of all triangles of one surface to another, in model units; `None` if one has
+/// no triangles. The samples of `rms` are the vertices of `from`. O(n log n), with more pieces where the surfaces are
+/// nearly equally far apart.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
@@ -239,7 +241,8 @@ pub struct Triangles<'a> {
 /// use adwave::Progress;
 /// use adwave_simplify::{Triangles, surface_distance};
 /// // The middle of a long edge is above a valley whose two slopes meet at depth 1.
-/// let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 4.0, 0.0], [1.0, 4.0, 0.0], [0.0, 4.0, -1.0]];
+/// let points =
+///     [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 4.0, 0.0], [1.0, 4.0, 0.0], [0.0, 4.0, -1.0]];
 /// let plane = Triangles { points: &points, triangles: &[[0, 1, 4], [0, 4, 3]] };
 /// let valley = Triangles { points: &points, triangles: &[[0, 2, 5], [0, 5, 3], [2, 1, 4], [2, 4, 5]] };
 /// let found = surface_distance(plane, valley, Progress::none())?.expect("both have triangles");
@@ -284,7 +287,7 @@ pub fn surface_distance(
     Ok(Some(measure_original(view, &areas, &unknown, &surface, progress)?.scaled_by(unit)))
 }
 
-/// Vertex areas: a third of the area of the adjacent triangles.
+/// Vertex areas: a third of the area of the adjacent triangles, in the squared unit of the points.
 pub(crate) fn vertex_areas(points: &[Point], triangles: &[[u32; 3]]) -> Vec<f64> {
     let mut areas = vec![0.0; points.len()];
     for triangle in triangles {

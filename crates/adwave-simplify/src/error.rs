@@ -24,7 +24,7 @@ pub enum SimplifyError {
         /// Number of corners of the faces.
         n_corners: usize,
     },
-    /// The number of values differs from that of the corners.
+    /// The number of values differs from `n_channels` per corner, or `n_channels` is 0.
     #[error(
         "{n_channels} values per corner of the faces are needed, at least 1, got {found} values for {n_corners} corners"
     )]

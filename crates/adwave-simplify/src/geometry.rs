@@ -23,7 +23,7 @@ pub(crate) fn interpolate(a: Point, b: Point, t: f64) -> Point {
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
-/// `(b − a) × (c − a)`, whose length is twice the area.
+/// Vector `(b − a) × (c − a)`, whose length is twice the area.
 pub(crate) fn doubled_normal([a, b, c]: [Point; 3]) -> Point {
     cross(minus(b, a), minus(c, a))
 }
@@ -37,8 +37,8 @@ pub(crate) fn center(points: &[Point]) -> Point {
     std::array::from_fn(|c| points.iter().map(|p| p[c]).sum::<f64>() / points.len() as f64)
 }
 
-/// Returns the barycentric coordinates of the point of a triangle nearest to `p`, by the seven regions of Ericson,
-/// "Real-Time Collision Detection", 5.1.5.
+/// Barycentric coordinates of the point of a triangle nearest to `p`, by the seven regions of Ericson, "Real-Time
+/// Collision Detection", 5.1.5.
 pub(crate) fn nearest_weights(p: Point, &[a, b, c]: &[Point; 3]) -> [f64; 3] {
     let (ab, ac, ap) = (minus(b, a), minus(c, a), minus(p, a));
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));
@@ -77,12 +77,12 @@ pub(crate) fn nearest_weights(p: Point, &[a, b, c]: &[Point; 3]) -> [f64; 3] {
     [va / sum, vb / sum, vc / sum]
 }
 
-/// Share of `x` in `x + y`, 0 if both are 0.
+/// Ratio `x / (x + y)`; 0 if the sum is 0.
 fn share(x: f64, y: f64) -> f64 {
     if x + y > 0.0 { x / (x + y) } else { 0.0 }
 }
 
-/// Squared distance of a point from a triangle; of a point of the triangle that is nearest up to rounding.
+/// Squared distance of a point from a triangle, computed at a point that is the nearest one up to rounding.
 pub(crate) fn squared_distance(p: Point, triangle: &[Point; 3]) -> f64 {
     let weights = nearest_weights(p, triangle);
     let [a, b, c] = triangle;

@@ -1,10 +1,10 @@
 //! Simplification of meshes and clouds, with proven deviation.
 //!
-//! [`simplify_mesh`] collapses edges in the order of the quadric error (`garland1997`) and keeps the topology. It keeps a
-//! subset of the vertices, so that vertex attributes need no interpolation. [`simplify_cloud`] thins a cloud to a Poisson disk
-//! sample (`cook1986`): no two points are nearer than a radius, and every dropped point is within that radius of a kept one.
-//! The target is a distance or a number of vertices. The deviation of a mesh is bounded over all points of both surfaces, that
-//! of a cloud is measured at every point, both in double precision.
+//! [`simplify_mesh`] collapses edges in the order of the quadric error (`garland1997`) and keeps the topology. It keeps
+//! a subset of the vertices, so that vertex attributes need no interpolation. [`simplify_cloud`] thins a cloud to a
+//! Poisson disk sample (`cook1986`): no two points are nearer than a radius, and every dropped point is within that
+//! radius of a kept one. The target is a distance or a number of vertices. The deviation of a mesh is bounded over all
+//! points of both surfaces; that of a cloud is measured at every point. Both are computed in double precision.
 //!
 //! | module | content |
 //! |---|---|
@@ -18,7 +18,7 @@
 //! | `proof` | bounds of the largest distance from a triangle to a surface |
 //! | `surface` | the nearest triangle to a point |
 //! | `deviation` | distances between two surfaces |
-//! | `provenance` | corners and faces of the original that new ones continue |
+//! | `provenance` | corners and faces of the original that those of the result continue |
 //! | `cloud` | thinning of clouds |
 //! | `resample` | remeshing, to test independence of the mesh |
 

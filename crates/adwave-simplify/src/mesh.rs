@@ -19,11 +19,12 @@ use std::sync::OnceLock;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MeshTarget {
-    /// Largest distance of any point of either surface from the other, in model units, with as few vertices as are found.
+    /// Largest distance of any point of either surface from the other, in model units; the result has as few vertices
+    /// as are found.
     Error(f64),
     /// Number of vertices.
     Vertices(usize),
-    /// Share of the vertices of the triangles after welding, in (0, 1].
+    /// Share of the welded vertices of the triangles, in (0, 1].
     Ratio(f64),
 }
 
@@ -49,7 +50,7 @@ pub struct MeshParams {
 }
 
 impl MeshParams {
-    /// Options for a target, with weighted borders.
+    /// Creates options for a target, with weighted borders.
     pub fn new(target: MeshTarget) -> Self {
         Self { target, border: Border::default() }
     }
@@ -68,8 +69,8 @@ pub enum Why {
     Reached,
     /// The target allows no vertex to be dropped; the result is the original.
     Unchanged,
-    /// More vertices than requested are left: every further collapse would change the topology, close a border or a seam,
-    /// or move a fixed vertex (a junction of seams, a vertex of a kept border).
+    /// More vertices than requested are left: every further collapse would change the topology, close a border or a
+    /// seam, or move a fixed vertex (a junction of seams, a vertex of a kept border).
     Stuck,
 }
 
@@ -80,22 +81,22 @@ pub struct SimplifiedMesh {
     pub kept: Vec<u32>,
     /// Triangles as indices into `kept`.
     pub triangles: Vec<[u32; 3]>,
-    /// Corner of the original that each corner continues, counted through all faces of the original. It has the same
-    /// position and label, and belongs to the face of most similar orientation.
+    /// Corner of the original that each corner continues, as its number among the corners of all faces of the original.
+    /// It has the same position and label, and belongs to the face of the most similar orientation.
     pub corners: Vec<[u32; 3]>,
     /// Face of the original nearest to the center of each triangle.
     pub faces: Vec<u32>,
     /// Distances between both surfaces, in model units.
     pub deviation: Deviation,
-    /// Number of vertices of the triangles of the original, after welding.
+    /// Number of welded vertices of the original's triangles.
     pub n_vertices_before: usize,
-    /// Number of triangles of the original, without degenerate and repeated ones.
+    /// Number of triangles of the original, without degenerate and repeated triangles.
     pub n_triangles_before: usize,
     /// Number of degenerate or repeated triangles that were removed.
     pub n_left_out: usize,
     /// Reason why the simplification ended.
     pub why: Why,
-    /// Parts of the original, if more vertices than requested are left.
+    /// Number of parts of the original, if more vertices than requested are left.
     pub parts: Option<Parts>,
 }
 
@@ -105,23 +106,24 @@ pub struct SimplifiedMesh {
 /// unused vertices are removed. `labels`, if given, has one value per corner of the faces. Corners at one position with
 /// different labels lie on opposite sides of a seam (of a texture, of two materials); seams stay closed and in place.
 ///
-/// The topology is kept: parts, holes, handles and the parts between seams (link condition, `dey1999`). A manifold mesh stays
-/// manifold, and no edge gets more than two faces. Curves of borders, seams and edges with more than two faces collapse
-/// along themselves; their ends and junctions are kept.
+/// The topology is kept: parts, holes, handles and the parts between seams (link condition, `dey1999`). A manifold mesh
+/// stays manifold, and no edge gets more than two faces. Curves of borders, seams and edges with more than two faces
+/// collapse along themselves; their ends and junctions are kept.
 ///
-/// For [`MeshTarget::Error`], each triangle of the original has a proof that all of its points are within the distance of
-/// faces of the result, between the same seams, and each new face is proven to be within the distance of the original, by
-/// branch and bound; collapses that break a proof are refused. For a number of vertices, collapses end at this number; if
-/// none is left that turns faces by less than 75°, others are carried out.
+/// For [`MeshTarget::Error`], each triangle of the original has a proof that all of its points are within the distance
+/// of faces of the result, between the same seams. Each new face is proven to be within the distance of the original,
+/// by branch and bound. Collapses that break a proof are refused. For a number of vertices, collapses end at this
+/// number. Collapses that turn a face by more than 75° are carried out only if no others are left.
 ///
-/// The deviation is measured by branch and bound, too (see [`OneSided`]). The claim rests on this: the distance to a
-/// triangle is a convex function, so that its values at the corners of a piece bound it on the piece. It holds up to
-/// rounding, 1e-12 of the longest side of the bounding box.
+/// The deviation is measured by branch and bound, too (see [`OneSided`]). The distance to a triangle is a convex
+/// function, so that its values at the corners of a piece bound it on the piece. The bound holds up to rounding, 1e-12
+/// of the longest side of the bounding box.
 ///
 /// Costs O(n log n) for vertices of bounded degree. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// Returns a [`SimplifyError`] for an invalid target, a wrong number of labels, a mesh without area, and on cancellation.
+/// Returns a [`SimplifyError`] for an invalid target, a wrong number of labels, a mesh without area, and on
+/// cancellation.
 ///
 /// ```
 /// use adwave::shape::{Mesh, Polygons};
@@ -149,18 +151,18 @@ pub fn simplify_mesh(
     simplify_mesh_with_appearance(mesh, appearance, params, progress)
 }
 
-/// Simplifies as [`simplify_mesh`] does, keeps colors and texture coordinates, and keeps more vertices where the weights
+/// Simplifies like [`simplify_mesh`], keeps colors and texture coordinates, and keeps more vertices where the weights
 /// are large.
 ///
-/// For [`MeshTarget::Error`], every vertex of the original finds, at the nearest point of the result, a value that the
-/// original has within the target distance of it: the difference is at most this distance times the largest change per
-/// length at the vertex, or 1/64 of the full range. For a number of vertices, the change of a value times the length of the
-/// edge adds to the cost of a collapse, as a distance by which a contour moves. Weights multiply the quadric error of the
-/// vertices (as in `lee2005`); they decide on the order of collapses, not on the distance that is proven.
+/// For [`MeshTarget::Error`], the value at every vertex of the original differs little from the value at the nearest
+/// point of the result: by at most the target distance times the largest change per length at the vertex, plus 1/64 of
+/// the full range. For a number of vertices, the change of a value times the length of the edge adds to the cost of a
+/// collapse, as a distance by which a contour moves. Weights multiply the quadric error of the vertices (as in
+/// `lee2005`); they affect the order of collapses, not the distance that is proven.
 ///
 /// # Errors
-/// Returns a [`SimplifyError`] as [`simplify_mesh`] does, for a wrong number of values or weights, and for a weight that is
-/// not finite.
+/// Returns a [`SimplifyError`] as [`simplify_mesh`] does, for a wrong number of values or weights, and for a weight
+/// that is not finite.
 pub fn simplify_mesh_with_appearance(
     mesh: &Mesh,
     appearance: Appearance<'_>,
@@ -180,8 +182,9 @@ pub fn simplify_mesh_with_appearance(
     job.finish(mesh, candidate, why, n_before)
 }
 
-/// Measures a mesh of some vertices of the original and other triangles, such as a level of a hierarchy, as the result of a
-/// simplification. `triangles` are vertices of the original; vertices at equal positions count as one.
+/// Measures the deviation of a mesh of other triangles over vertices of the original, such as a level of a hierarchy,
+/// like that of a simplification. `triangles` are indices of vertices of the original; vertices at equal positions
+/// count as one.
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] if neither mesh has a face of positive area, and on cancellation.
@@ -224,7 +227,7 @@ impl MeshTarget {
 /// Simplified triangles over wedges, and their deviation if it was measured.
 struct Candidate {
     triangles: Vec<[u32; 3]>,
-    /// Triangle of the original that each was before its vertices moved.
+    /// Triangle of the original from which each triangle was made by moving vertices.
     origins: Vec<u32>,
     deviation: Option<Deviation>,
 }
@@ -233,7 +236,7 @@ struct Candidate {
 struct SimplifyJob<'a> {
     wedges: Wedges,
     colors: Option<WedgeColors>,
-    /// Importance of each position, at most 1.
+    /// Importance of each position, in [0, 1].
     importance: Option<Vec<f64>>,
     areas: Vec<f64>,
     charts: Vec<u32>,
@@ -243,10 +246,10 @@ struct SimplifyJob<'a> {
     progress: Progress<'a>,
 }
 
-/// Largest number of times that all remaining vertices are tried for a largest distance.
+/// Largest number of times that all remaining vertices are tried for a target distance.
 const MAX_PASSES: u64 = 3;
 
-/// Share of the target distance that is left for rounding.
+/// Share of the target distance that is reserved for rounding.
 const LIMIT_MARGIN: f64 = 1e-9;
 
 impl<'a> SimplifyJob<'a> {
@@ -266,7 +269,7 @@ impl<'a> SimplifyJob<'a> {
         Ok(Self { wedges, colors, importance, areas, charts, surface, border, progress })
     }
 
-    /// Search structure of the original. O(n log n) for the first call.
+    /// Returns the search structure of the original. O(n log n) for the first call.
     fn surface(&self) -> &TriangleSurface {
         self.surface.get_or_init(|| {
             let surface = TriangleSurface::new(&self.wedges.points, &self.wedges.triangles);
@@ -291,7 +294,7 @@ impl<'a> SimplifyJob<'a> {
         SurfaceView { points: &self.wedges.points, triangles }
     }
 
-    /// Measures the distances between triangles, of the given triangles of the original, and the original.
+    /// Measures the distances between triangles and the original; `origins` has the triangle of the original for each.
     fn measure(&self, triangles: &[[u32; 3]], origins: &[u32]) -> Result<Deviation, Cancelled> {
         let progress = self.progress.quiet();
         let (original, view) = (self.view(&self.wedges.triangles), self.view(triangles));
@@ -309,7 +312,7 @@ impl<'a> SimplifyJob<'a> {
         Ok(Deviation { of_original, of_simplified })
     }
 
-    /// Finds few vertices within a distance in the unit box.
+    /// Simplifies to few vertices within a distance, in units of the unit box.
     fn simplify_to_error(&self, error: f64, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
         let original = Original {
@@ -346,7 +349,7 @@ impl<'a> SimplifyJob<'a> {
         Ok((Candidate { triangles, origins, deviation: Some(deviation) }, Why::Reached))
     }
 
-    /// Simplifies to `n` vertices, or as few as possible.
+    /// Simplifies to `n` vertices, or to as few as possible.
     fn simplify_to_count(&self, n: usize, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let n = n.max(1);
         if n >= n_before {
@@ -428,7 +431,7 @@ impl<'a> SimplifyJob<'a> {
     }
 }
 
-/// Returns the map from corners, counted through all faces, to faces.
+/// Returns the map from the number of a corner among those of all faces to its face.
 fn faces_of_corners(mesh: &Mesh) -> impl Fn(u32) -> u32 {
     let ends: Vec<u32> = if mesh.faces().triangles().is_some() {
         Vec::new()

@@ -3,13 +3,14 @@
 //! For a convex piece P of the triangle and any triangle b of the surface,
 //!
 //! ```text
-//! max over the corners and the center x of P of d(x, surface)  ≤  max over P of d(·, surface)  ≤  max over the corners x of P of d(x, b)
+//! max over the corners and the center x of P of d(x, surface)
+//!     ≤  max over P of d(·, surface)  ≤  max over the corners x of P of d(x, b)
 //! ```
 //!
-//! The right side holds because the distance to a convex set is a convex function. A piece whose bounds are too far apart
-//! is cut by the plane through an edge of b that stands on b: inside of it, b is a good bound; outside, a neighbor of b is.
-//! Two coplanar triangulations are thus compared exactly, by their common refinement. Where no such plane cuts the piece,
-//! it is halved.
+//! The right side holds because the distance to a convex set is a convex function. A piece whose bounds are too far
+//! apart is cut by the plane through an edge of b that is perpendicular to b: on the inner side b is a good bound, on
+//! the outer side a neighbor of b. Two coplanar triangulations are thus compared exactly, by their common refinement.
+//! If no such plane cuts the piece, it is halved.
 
 use crate::geometry::{
     Point, center, cross, dot, doubled_normal, interpolate, length, minus, squared_distance,
@@ -19,16 +20,16 @@ use crate::surface::TriangleSearch;
 /// Relative difference of the bounds at which a piece is not cut again.
 pub(crate) const PROOF_TOLERANCE: f64 = 0.005;
 
-/// Distances in the unit box that are caused by rounding.
+/// Distance in the unit box that rounding may cause.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// Distance in the unit box below which a corner of a piece is on a cutting plane.
+/// Distance in the unit box below which a corner of a piece counts as on a cutting plane.
 const ON_PLANE: f64 = 1e-13;
 
 /// Largest number of corners of a piece; pieces with more are cut along a diagonal.
 const MAX_CORNERS: usize = 10;
 
-/// Corners that a piece has room for: a cut adds one, rounding another.
+/// Number of corners that a piece has room for: a cut adds one, rounding another.
 const ROOM: usize = MAX_CORNERS + 2;
 
 /// Bounds of the largest distance from a triangle to a surface.
@@ -41,18 +42,18 @@ pub(crate) struct DistanceBounds {
 /// Condition under which bounds are close enough.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {
-    /// Distance up to which the upper bound need not be close.
+    /// Distance up to which the upper bound need not be close to the lower bound.
     pub(crate) accepted: f64,
-    /// Distance on whose sides both bounds must be, if it is finite.
+    /// Distance that must not lie between the bounds, if it is finite.
     pub(crate) limit: f64,
     /// Largest number of pieces.
     pub(crate) max_pieces: usize,
-    /// Stop once a point beyond the limit is known.
+    /// True to stop as soon as a point beyond the limit is known.
     pub(crate) stops_beyond_limit: bool,
 }
 
 impl Goal {
-    /// Decision if all distances are at most a limit.
+    /// Creates the goal of deciding if all distances are at most a limit.
     pub(crate) fn decision(limit: f64, max_pieces: usize) -> Self {
         Self { accepted: limit, limit, max_pieces, stops_beyond_limit: true }
     }
@@ -89,7 +90,8 @@ impl Piece {
         self.n += 1;
     }
 
-    /// Largest squared distance of a corner from a triangle, or of the first corner beyond `limit`.
+    /// Largest squared distance of a corner from a triangle; if it exceeds the squared distance `limit`, that of the
+    /// first such corner.
     fn distance_to(&self, triangle: &[Point; 3], limit: f64) -> f64 {
         let mut greatest = 0.0_f64;
         for &p in self.corners() {
@@ -101,7 +103,7 @@ impl Piece {
         greatest
     }
 
-    /// Cuts along a plane through `origin`; the first part is where the normal comes from.
+    /// Cuts the piece along a plane through `origin`; the normal points from the first part to the second.
     fn cut(&self, origin: Point, normal: Point) -> [Piece; 2] {
         let side = |p: Point| {
             let s = dot(minus(p, origin), normal);
@@ -127,7 +129,8 @@ impl Piece {
         parts
     }
 
-    /// Cuts by the plane on an edge of a triangle beyond which most of the piece is; `None` if no edge cuts it.
+    /// Cuts the piece by the perpendicular plane through the edge of a triangle beyond which the piece reaches
+    /// farthest; `None` if no edge cuts it.
     fn cut_at_edges<T: TriangleSearch>(&self, near: u32, to: &T) -> Option<[Piece; 2]> {
         let triangle = to.corners(near);
         let normal = doubled_normal(*triangle);
@@ -157,7 +160,7 @@ impl Piece {
         Some([outside, inside])
     }
 
-    /// Cuts across the longest diagonal or edge; `None` for a piece as small as rounding.
+    /// Cuts the piece across its longest diagonal or edge; `None` for a piece as small as rounding.
     fn halve(&self) -> Option<[Piece; 2]> {
         let corners = self.corners();
         let (mut longest, mut ends) = (ON_PLANE * 4.0, None);
@@ -174,7 +177,7 @@ impl Piece {
         Some(self.cut(interpolate(p, q, 0.5), along))
     }
 
-    /// Cuts along a diagonal, without new corners.
+    /// Cuts the piece along a diagonal, without new corners.
     fn cut_at_diagonal(&self) -> [Piece; 2] {
         let middle = self.n / 2;
         let mut second = Self::new(&self.corners[middle..self.n], self.hint);
@@ -183,11 +186,11 @@ impl Piece {
     }
 }
 
-/// Bounds the largest distance from a triangle to a surface; `use_triangle` is called with each triangle of the surface
-/// that gives the upper bound of a piece.
+/// Bounds the largest distance from a triangle to a surface. `use_triangle` is called with each triangle of the surface
+/// that gives the upper bound of a piece; `hints` are triangles that are probably near.
 ///
-/// Once `max_pieces` is reached, the upper bound is that of the remaining pieces, valid but not close. Costs
-/// O(pieces log triangles).
+/// Once `max_pieces` is reached, the upper bound is that of the remaining pieces: valid, but not close. Costs O(pieces
+/// log triangles).
 pub(crate) fn bound_distance<T: TriangleSearch>(
     triangle: [Point; 3],
     hints: &[u32],
@@ -263,7 +266,7 @@ pub(crate) fn bound_distance<T: TriangleSearch>(
     bounds
 }
 
-/// Cuts a piece whose bounds are too far apart; `None` if it is as small as rounding.
+/// Cuts a piece whose bounds are too far apart; `None` if the piece is as small as rounding.
 fn divide<T: TriangleSearch>(
     piece: &Piece,
     near: u32,

@@ -1,4 +1,4 @@
-//! Corners and faces of the original that new ones continue.
+//! Corners and faces of the original that the corners and triangles of the result continue.
 
 use crate::geometry::{center, doubled_normal, length};
 use crate::surface::{TriangleSearch, TriangleSurface};
@@ -6,8 +6,8 @@ use crate::wedges::Wedges;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Finds, for each corner of the triangles, the corner of the original at the same wedge whose face has the most similar
-/// orientation. At a vertex with several normals this is the one on the correct side of the crease. O(corners).
+/// Finds, for each corner of the triangles, the corner of the original at the same wedge whose face has the most
+/// similar orientation. At a vertex with several normals this corner is on the correct side of the crease. O(corners).
 pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut starts = vec![0_u32; wedges.points.len() + 1];
     for &wedge in wedges.triangles.as_flattened() {
@@ -50,8 +50,8 @@ pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
     triangles.par_iter().map(match_corners).collect()
 }
 
-/// Finds the triangle of the original nearest to the center of each triangle, or the triangle that it was itself if the
-/// nearest one is beyond a seam. O(triangles log triangles).
+/// Finds the triangle of the original nearest to the center of each triangle. If that one is beyond a seam, the result
+/// is the triangle in `origins`, from which the triangle was made. O(triangles log triangles).
 pub(crate) fn nearest_triangles(
     wedges: &Wedges,
     triangles: &[[u32; 3]],

@@ -29,14 +29,14 @@ impl Quadric {
         }
     }
 
-    /// Plane of a triangle, weighted by its doubled area.
+    /// Quadric of the plane of a triangle, weighted by its doubled area.
     pub(crate) fn triangle([a, b, c]: [Point; 3]) -> Self {
         let normal = cross(minus(b, a), minus(c, a));
         let area = length(normal);
         Self::plane(normal.map(|x| x / area.max(f64::MIN_POSITIVE)), a, area)
     }
 
-    /// Plane through the edge `ab` of a triangle that stands on it, weighted by the squared length.
+    /// Quadric of the plane through the edge `ab` of a triangle perpendicular to it, weighted by the squared length.
     pub(crate) fn edge([a, b, c]: [Point; 3]) -> Self {
         let along = minus(b, a);
         let squared = dot(along, along);

@@ -9,14 +9,14 @@ use std::collections::HashMap;
 
 /// Smallest distance of a cut from an end of its edge, relative to the edge.
 const MIN_CUT: f64 = 0.3;
-/// Bounds of the move of a vertex into an adjacent triangle, as a share of each side.
+/// Bounds of the movement of a vertex into an adjacent triangle, as a share of each side of its corner piece.
 const MOVE_RANGE: std::ops::Range<f64> = 0.05..0.3;
 
-/// Remeshes a surface with about the same number of vertices, all at new positions, and irregular triangles, like another
-/// scan of the same object.
+/// Remeshes a surface with about the same number of vertices, all at new positions, and irregular triangles, like
+/// another scan of the same object.
 ///
-/// Every edge is split at a random point, every inner vertex moves into an adjacent triangle, and edges are collapsed to
-/// the former number of vertices ([`simplify_mesh`]). The same seed gives the same mesh. O(n log n).
+/// Every edge is split at a random point, every inner vertex moves into an adjacent triangle, and edges are collapsed
+/// to the former number of vertices ([`simplify_mesh`]). The same seed gives the same mesh. O(n log n).
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] as for [`simplify_mesh`].
@@ -44,7 +44,7 @@ pub fn resample_mesh(mesh: &Mesh, seed: u64, progress: Progress<'_>) -> Result<M
     Mesh::new(points, Polygons::from_triangles(&simplified.triangles)).map_err(|_| SimplifyError::NoSurface)
 }
 
-/// Refined mesh.
+/// Mesh in which every triangle is split into four.
 struct SplitMesh {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,

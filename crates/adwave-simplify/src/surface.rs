@@ -1,4 +1,4 @@
-//! Triangles in a bounding volume hierarchy, and the nearest one to a point.
+//! Bounding volume hierarchy of triangles, for the triangle nearest to a point.
 
 use crate::geometry::{Point, nearest_weights, squared_distance};
 use parry3d_f64::bounding_volume::Aabb;
@@ -7,7 +7,8 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 /// Triangles among which the nearest to a point can be found.
 pub(crate) trait TriangleSearch {
-    /// Returns the squared distance of the nearest triangle, and its index; `None` if it is not below a squared distance.
+    /// Returns the squared distance of the nearest triangle, and its index; `None` if the distance is not below
+    /// `squared_limit`.
     fn nearest_within(&self, p: Point, squared_limit: f64) -> Option<(f64, u32)>;
 
     /// Returns the squared distance of the nearest triangle, and its index.
@@ -18,11 +19,12 @@ pub(crate) trait TriangleSearch {
     /// Returns the corners of a triangle.
     fn corners(&self, triangle: u32) -> &[Point; 3];
 
-    /// Returns the triangle beyond the edge from corner `k` to the next one, if there is one and if neighbors are known.
+    /// Returns the triangle beyond the edge from corner `k` to the next one, if there is one and if neighbors are
+    /// known.
     fn neighbor_across(&self, triangle: u32, k: usize) -> Option<u32>;
 
-    /// Returns a triangle near a point, found from `start` over neighbors that are nearer and nearer, and its squared
-    /// distance. Another triangle may be nearer.
+    /// Returns the squared distance of a triangle near a point, and its index, found from `start` by moving to nearer
+    /// and nearer neighbors. Another triangle may be nearer.
     fn descend(&self, p: Point, start: u32) -> (f64, u32) {
         let mut best = (squared_distance(p, self.corners(start)), start);
         for _ in 0..MAX_STEPS {
@@ -44,17 +46,18 @@ pub(crate) trait TriangleSearch {
         best
     }
 
-    /// Returns the squared distance of the nearest triangle, and its index, given a triangle that is probably near.
+    /// Returns the squared distance of the nearest triangle, and its index; `start` is a triangle that is probably
+    /// near.
     fn nearest_from(&self, p: Point, start: u32) -> (f64, u32) {
         let near = self.descend(p, start);
         self.nearest_within(p, near.0).unwrap_or(near)
     }
 }
 
-/// Largest number of triangles over which a nearer one is looked for.
+/// Largest number of steps to a nearer neighbor.
 const MAX_STEPS: usize = 32;
 
-/// Mark of an edge without a neighbor.
+/// Marker of an edge without a neighbor.
 const NONE: u32 = u32::MAX;
 
 /// Triangles in a bounding volume hierarchy.
@@ -112,8 +115,8 @@ impl TriangleSearch for TriangleSurface {
     }
 }
 
-/// Finds the triangle beyond the edge from each corner to the next one; triangles at an edge of three follow each other in
-/// a circle. O(triangles) for vertices of bounded degree.
+/// Finds the triangle beyond the edge from each corner to the next one; three or more triangles at one edge follow each
+/// other in a cycle. O(triangles) for vertices of bounded degree.
 fn neighbors_of(n_points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let ends = |t: &[u32; 3], k: usize| (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
     let mut starts = vec![0_u32; n_points + 1];
@@ -148,7 +151,7 @@ fn neighbors_of(n_points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     neighbors
 }
 
-/// A few triangles, searched one by one.
+/// List of a few triangles, which are searched one by one.
 #[derive(Default)]
 pub(crate) struct TriangleList {
     pub(crate) ids: Vec<u32>,

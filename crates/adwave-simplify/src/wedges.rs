@@ -7,12 +7,12 @@ use adwave::shape::{Mesh, Polygons, VertexMap, WeldMode, bounding_box, triangula
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Triangles over wedges. A wedge is the set of corners at one position with the same label. Two wedges at one position
+/// Triangles over wedges. A wedge is the set of corners at one position with equal labels. Two wedges at one position
 /// form a seam; without labels there is one wedge per position.
 pub(crate) struct Wedges {
-    /// Position of each wedge in the unit box, whose longest side is 1.
+    /// Coordinates of each wedge in the unit box, whose longest side is 1.
     pub(crate) points: Vec<[f64; 3]>,
-    /// Position of each wedge, numbered without gaps in the order of the wedges.
+    /// Number of the position of each wedge, increasing without gaps in the order of the wedges.
     pub(crate) position: Vec<u32>,
     /// First vertex of the mesh at each wedge.
     pub(crate) vertex: Vec<u32>,
@@ -20,7 +20,7 @@ pub(crate) struct Wedges {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Corners of the mesh's faces at each triangle.
     pub(crate) corners: Vec<[u32; 3]>,
-    /// Length of the unit in model units.
+    /// Length of the unit box's longest side, in model units.
     pub(crate) unit: f64,
     /// Number of degenerate or repeated triangles that were removed.
     pub(crate) n_left_out: usize,
@@ -31,12 +31,12 @@ pub(crate) struct Wedges {
 pub struct Parts {
     /// Number of parts with borders; each keeps at least 3 vertices.
     pub n_open: usize,
-    /// Number of parts without; each keeps at least 4 vertices.
+    /// Number of parts without borders; each keeps at least 4 vertices.
     pub n_closed: usize,
 }
 
 impl Parts {
-    /// Least number of vertices of all parts.
+    /// Smallest number of vertices that all parts together keep.
     pub fn n_least_vertices(&self) -> usize {
         3 * self.n_open + 4 * self.n_closed
     }
@@ -72,7 +72,8 @@ impl Wedges {
         if wedges.triangles.is_empty() { Err(SimplifyError::NoSurface) } else { Ok(wedges) }
     }
 
-    /// Largest magnitude of the weights of the vertices of a mesh at each position, relative to the largest of all. O(n).
+    /// Importance of each position: the largest magnitude of the weights of its vertices, relative to the largest of
+    /// all. O(n).
     pub(crate) fn importance(&self, mesh: &Mesh, weights: &[f64]) -> Result<Vec<f64>, SimplifyError> {
         let n_vertices = mesh.points().len();
         if weights.len() != n_vertices {
@@ -98,7 +99,7 @@ impl Wedges {
         Ok(importance)
     }
 
-    /// Counts the vertices of the mesh that triangles use.
+    /// Counts the vertices of the mesh that the triangles use.
     pub(crate) fn n_vertices(&self, triangles: &[[u32; 3]]) -> usize {
         let n = self.vertex.iter().map(|&x| x as usize + 1).max().unwrap_or(0);
         let mut is_used = vec![false; n];
@@ -108,7 +109,8 @@ impl Wedges {
         is_used.into_iter().filter(|&used| used).count()
     }
 
-    /// Numbers the charts of the triangles: parts that are connected by edges which are no seams. O(triangles log triangles).
+    /// Numbers the charts of the triangles, the parts that are connected by edges other than seams. O(triangles log
+    /// triangles).
     pub(crate) fn charts(&self) -> Vec<u32> {
         let n = self.triangles.len();
         if self.position.last().is_none_or(|&last| last as usize + 1 == self.points.len()) {
@@ -132,8 +134,8 @@ impl Wedges {
         (0..n as u32).map(|t| root(&mut parent, t)).collect()
     }
 
-    /// Lists pairs of triangles with the same wedges and opposite orientations, the second larger than the first.
-    /// O(triangles log triangles).
+    /// Lists pairs of triangles with equal wedges and opposite orientations, the smaller index first. O(triangles log
+    /// triangles).
     pub(crate) fn twins(&self) -> Vec<[u32; 2]> {
         let sorted = |t: usize| {
             let mut triangle = self.triangles[t];
@@ -145,7 +147,7 @@ impl Wedges {
         keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]).collect()
     }
 
-    /// Counts the parts that are connected by edges or vertices, with and without borders. O(triangles log triangles).
+    /// Counts the connected parts with and without borders; a common vertex connects. O(triangles log triangles).
     pub(crate) fn count_parts(&self) -> Parts {
         let n = self.position.last().map_or(0, |&last| last + 1);
         let mut parent: Vec<u32> = (0..n).collect();
@@ -244,7 +246,8 @@ fn wedges_at_positions(corners: &[u32], vertex_map: &VertexMap) -> (Vec<u32>, Ve
     (wedge_of, vertex, at)
 }
 
-/// Number of a corner that tells corners of different labels apart, and nearly always those of different values.
+/// Number of a corner that differs for corners with different labels, and nearly always for those with different
+/// values.
 fn corner_label(appearance: Appearance<'_>, corner: usize) -> u64 {
     let label = u64::from(appearance.labels.map_or(0, |labels| labels[corner]));
     let Some(AppearanceValues { values, n_channels }) = appearance.values else { return label };
@@ -263,7 +266,8 @@ fn root(parent: &mut [u32], mut t: u32) -> u32 {
     t
 }
 
-/// Scales positions to the box whose longest side is 1; returns the length of that side, 1 if all positions are equal.
+/// Scales positions to the box whose longest side is 1; also returns the length of that side, or 1 if all positions are
+/// equal.
 pub(crate) fn scale_to_unit_box(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
     let (lo, hi) = bounding_box(points).unwrap_or_default();
     let side = (0..3).map(|c| hi[c] - lo[c]).fold(0.0, f64::max);
@@ -273,7 +277,7 @@ pub(crate) fn scale_to_unit_box(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
     (inside, unit)
 }
 
-/// Triangulates the faces; triangles are triples of corners of the faces.
+/// Triangulates the faces; the triangles are triples of corner numbers.
 fn corner_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
     let faces = mesh.faces();
     let n = faces.corners().len() as u32;
@@ -291,7 +295,7 @@ fn corner_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
     triangulate(&points, &corner_faces)
 }
 
-/// Selects the triangles over wedges with a positive area, without repetitions, and their corners.
+/// Selects the triangles of positive area, without repetitions, as wedges and as corners.
 #[expect(clippy::type_complexity, reason = "two lists of the same triangles")]
 fn select_nondegenerate(
     faces: &[[u32; 3]],

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// The file that stores the edit of one shape, named after a hash of its path and positions.
+/// File that stores the edit of one shape, named after a hash of its path and positions.
 #[derive(Clone, Debug)]
 pub(crate) struct Autosave {
     path: PathBuf,
@@ -65,7 +65,7 @@ impl Autosave {
         })
     }
 
-    /// Writes an edit atomically: the previous content stays until the new one is complete.
+    /// Writes an edit atomically: the previous content remains until the new one is complete.
     pub(crate) fn write(&self, levels: &LevelSpec, edit: &Document) -> Result<(), ApiError> {
         let recipe = Recipe { levels: levels.clone(), ..Recipe::default() };
         let content = AutosaveContent { levels: recipe_to_text(&recipe), edit: edit.clone() };

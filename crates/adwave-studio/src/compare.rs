@@ -16,7 +16,7 @@ use adwave_baselines::taubin::WindowedSinc;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// Smoothing method that the edit is compared with.
+/// Smoothing method with which the edit is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Method {
@@ -33,13 +33,13 @@ pub(crate) struct CompareRequest {
     pub(crate) method: Method,
 }
 
-/// Number of harmonics.
+/// Number of harmonics that are computed.
 const N_HARMONICS: usize = 200;
 /// Largest number of vertices for manifold harmonics, whose cost grows with n^1.5.
 const MAX_VERTICES_HARMONICS: usize = 50_000;
 /// Largest number of vertices for Taubin's filter: the search applies 16 filters of up to 400 sparse products.
 const MAX_VERTICES_TAUBIN: usize = 500_000;
-/// Bisection steps over the range of strengths.
+/// Number of bisection steps over the range of strengths.
 const N_BISECTIONS: usize = 16;
 /// Largest degree of a filter, in sparse products.
 const MAX_DEGREE: f64 = 400.0;
@@ -130,7 +130,7 @@ struct StrengthRange {
 /// Positions of the other method at the strength whose roughness is nearest to the target.
 struct MatchedSmoothing {
     points: Vec<[f64; 3]>,
-    /// Parameters of the method, for display.
+    /// Parameters of the method, as JSON for display.
     strength: Value,
     /// Roughness in model units.
     roughness: f64,

@@ -1,4 +1,4 @@
-//! Signed distances from the edited shape to that of another tab.
+//! Signed distances from the edited shape to the shape of another tab.
 
 use crate::prepared_shape::build_decomposer;
 use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f32};
@@ -18,8 +18,9 @@ pub(crate) struct DeviationRequest {
     pub(crate) from: u64,
 }
 
-/// Responds with the distance of each vertex of `file` to the closest point of `other`, as `adwave diff` measures it:
-/// positive where that lies outside, NaN beyond a border. The header `X-Deviation` has a summary.
+/// Responds with the signed distance of each vertex of `file` to the closest point of `other_file`, as `adwave diff`
+/// measures it: positive where the other shape lies outside, NaN beyond a border. The header `X-Deviation` has a
+/// summary.
 pub(crate) fn deviation_response(
     file: &ShapeFile,
     other_file: &ShapeFile,

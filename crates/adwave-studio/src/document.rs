@@ -1,4 +1,4 @@
-//! The edit of a shape, in the form of the page and as a recipe.
+//! Edit of a shape, in the form of the page and as a recipe.
 
 use crate::field_bands::FIELD_FIT;
 use crate::pose::ReshapedBy;
@@ -12,12 +12,12 @@ use adwave::region::Region;
 use adwave_io::{DetailClone, Pose, Recipe};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of layers of the positions or of a field.
+/// Largest number of layers of the positions, and of each field.
 const MAX_LAYERS: usize = 1000;
 /// Largest number of edited fields.
 const MAX_FIELDS: usize = 200;
 
-/// An edit: layers, whose gains multiply, and constraints on the new positions.
+/// Edit of a shape: layers, whose gains multiply, and constraints on the new positions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Document {
@@ -38,15 +38,15 @@ pub struct Document {
     /// Clones of detail, on top of the layers.
     #[serde(default)]
     pub clones: Vec<DetailClone>,
-    /// Handles that bend the shape after all else.
+    /// Handles that bend the shape after all other edits.
     #[serde(default)]
     pub pose: Option<Pose>,
-    /// Edits of fields, which the layers above do not change.
+    /// Edits of fields; the layers above do not change fields.
     #[serde(default)]
     pub fields: Vec<FieldEdit>,
 }
 
-/// The edit of one field.
+/// Edit of one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FieldEdit {
@@ -56,13 +56,13 @@ pub struct FieldEdit {
     pub layers: Vec<DocumentLayer>,
 }
 
-/// One layer: `1 + opacity·r(x)·(g_j − 1)` times each band.
+/// Layer of an edit, which multiplies band j by `1 + opacity·r(x)·(g_j − 1)`, where r is the weight of its region.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DocumentLayer {
     /// Display name.
     pub name: String,
-    /// Switch; a layer that is off has no effect.
+    /// True if the layer has an effect.
     pub on: bool,
     /// Opacity in [0, 1].
     pub opacity: f64,
@@ -137,12 +137,13 @@ impl Document {
         Ok(())
     }
 
-    /// Edits beside those of bands.
+    /// Returns the edits other than those of bands.
     pub(crate) fn reshaped_by(&self) -> ReshapedBy {
         ReshapedBy { clones: self.clones.clone(), pose: self.pose.clone() }
     }
 
-    /// Maps the gains of levels of widths `before` to levels of widths `after`; see [`map_gains`].
+    /// Maps the gains from levels of widths `before` to levels of widths `after`, both in model units; see
+    /// [`map_gains`].
     pub(crate) fn map_levels(&mut self, before: &[f64], after: &[f64]) {
         let of_fields = self.fields.iter_mut().flat_map(|edit| &mut edit.layers);
         for layer in self.layers.iter_mut().chain(of_fields) {
@@ -161,7 +162,7 @@ impl Document {
         edit.map_or_else(Vec::new, |edit| to_recipe_layers(&edit.layers))
     }
 
-    /// Returns the names of fields with a layer that changes something.
+    /// Returns the names of the fields with a layer that has an effect.
     pub(crate) fn changed_fields(&self) -> Vec<String> {
         let changes = |layer: &DocumentLayer| {
             layer.on && layer.opacity > 0.0 && layer.gains.iter().any(|gain| *gain != 1.0)
@@ -174,7 +175,7 @@ impl Document {
         PositionParams::default().with_along(self.along).with_borders(self.border).with_volume(self.volume)
     }
 
-    /// Tells whether new positions are more than a sum of bands; by default a cloud moves along its normals.
+    /// True if new positions are more than a sum of bands; by default a cloud moves along its normals.
     pub(crate) fn has_constraints(&self, is_cloud: bool) -> bool {
         let is_free = self.along.map_or(!is_cloud, |along| along == MoveDirection::Free);
         !(is_free && self.border == Borders::default() && self.volume == Volume::default())
@@ -239,8 +240,8 @@ pub(crate) fn layers_of_recipe(recipe: &Recipe, n_levels: usize) -> Result<Vec<D
     recipe.layers.iter().enumerate().map(layer).collect()
 }
 
-/// Gains for levels of other widths σ, in model units, increasing: the mean of the old gains over the octaves that a new
-/// band covers. Detail coarser than all old bands keeps the gain 1; equal levels keep their gains.
+/// Maps gains to levels of other widths σ, in model units and increasing: the mean of the old gains over the octaves
+/// that a new band covers. Detail coarser than all old bands keeps the gain 1; equal levels keep their gains.
 ///
 /// The page computes the same numbers for edits made while the server computes the bands.
 pub(crate) fn map_gains(gains: &[f64], before: &[f64], after: &[f64]) -> Vec<f64> {

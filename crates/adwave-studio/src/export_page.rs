@@ -1,4 +1,4 @@
-//! Export of one self-contained HTML file with the shape, its bands and working sliders.
+//! Export of a self-contained HTML file with the shape, its bands and working sliders.
 
 use crate::prepared_shape::PreparedShape;
 use crate::response::{ApiError, ApiResult, bytes_response};
@@ -11,13 +11,13 @@ use flate2::write::GzEncoder;
 use serde_json::json;
 use std::io::Write;
 
-/// Largest number of vertices in the file; larger shapes are reduced to it.
+/// Largest number of vertices in the file; larger shapes are reduced to this number.
 const MAX_VERTICES: usize = 200_000;
 /// Script of the file.
 const SCRIPT: &str = include_str!("../web/dist/viewer.js");
 /// Style sheet of the file.
 const STYLE: &str = include_str!("../web/dist/viewer.css");
-/// Content security policy: the file loads nothing.
+/// Content security policy, by which the file loads nothing.
 const POLICY: &str =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
 
@@ -29,7 +29,7 @@ struct ExportedShape {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Responds with the HTML file of the present edit.
+/// Responds with the HTML file of the current edit.
 pub(crate) fn export_page(session: &Session) -> ApiResult {
     let exported = select_vertices(session)?;
     let prepared = session.lock_prepared()?;
@@ -69,8 +69,9 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
     Ok(ExportedShape { vertices: simplified.kept, triangles: simplified.triangles })
 }
 
-/// Encodes the content: the length of a JSON head (`u32`), the head, positions `f32 × 3 × n`, triangles `u32 × 3 × m`,
-/// bands `i16 × 3 × n` from fine to coarse, and masks of the layers `u8 × n`. Each array begins at a multiple of 4.
+/// Encodes the content: the length of a JSON header (`u32`), the header, positions `f32 × 3 × n`, triangles
+/// `u32 × 3 × m`, bands `i16 × 3 × n` from fine to coarse, and masks of the layers `u8 × n`. Each array begins at a
+/// multiple of 4 bytes.
 fn encode_content(session: &Session, prepared: &PreparedShape, exported: &ExportedShape) -> Vec<u8> {
     let (points, map) = (session.points(), prepared.decomposer.vertex_map());
     let n_levels = prepared.n_levels();

@@ -1,4 +1,4 @@
-//! Editing of fields: their bands, and their values after the layers of an edit.
+//! Editing of fields: bands of a field, and values after the layers of an edit.
 
 use crate::prepared_shape::PreparedShape;
 use crate::region_weights::region_weights;
@@ -15,10 +15,10 @@ use adwave_io::{
 };
 use std::path::Path;
 
-/// The fit about which fields are smoothed, as by `adwave filter --signal`.
+/// Local fit about which fields are smoothed, as in `adwave filter --signal`.
 pub(crate) const FIELD_FIT: LocalFit = LocalFit::Linear;
 
-/// A field with its bands for some levels.
+/// Field with its bands for some levels.
 pub(crate) struct FieldBands {
     pub(crate) name: String,
     levels: LevelSpec,
@@ -26,8 +26,8 @@ pub(crate) struct FieldBands {
     editor: Editor,
 }
 
-/// Tells whether the values of a field with one channel are numbers: some are known, none is infinite, and they are no
-/// labels.
+/// True if the values of a field with one channel are numbers: at least one is known, none is infinite, and they are
+/// not labels.
 pub(crate) fn is_editable(field: &Field) -> bool {
     let values = field.to_f64();
     values.iter().any(|v| !v.is_nan())
@@ -35,7 +35,8 @@ pub(crate) fn is_editable(field: &Field) -> bool {
         && labels_of_field(&field.name, 1, &values).is_none()
 }
 
-/// Returns the field of that name, if its values can be edited: those of the file or of a file that was added.
+/// Returns the field of a name if its values can be edited; it belongs to the file or to a file of values that was
+/// added.
 pub(crate) fn editable_field<'a>(file: &'a ShapeFile, name: &str) -> Result<&'a Field, ApiError> {
     let field = file.vertex_fields().iter().find(|field| field.name == name && field.n_channels == 1);
     let field = field.ok_or_else(|| {
@@ -51,7 +52,7 @@ pub(crate) fn editable_field<'a>(file: &'a ShapeFile, name: &str) -> Result<&'a 
 }
 
 impl FieldBands {
-    /// Computes the bands of a field. Vertices without a value are no part of the walk.
+    /// Computes the bands of a field. Vertices without a value do not take part in the diffusion.
     pub(crate) fn new(
         name: &str,
         file: &ShapeFile,
@@ -73,12 +74,12 @@ impl FieldBands {
         Ok(Self { name: name.to_owned(), levels: levels.clone(), n_levels: schedule.n_levels(), editor })
     }
 
-    /// Tells whether these are the bands of a field for levels.
+    /// True if these are the bands of the field `name` for `levels`.
     fn is_for(&self, name: &str, levels: &LevelSpec) -> bool {
         self.name == name && self.levels == *levels
     }
 
-    /// Encodes the values and then W_1 … W_J, `f32 × n` each; a vertex without a value has NaN and bands of 0.
+    /// Encodes the values and then W_1 … W_J, `f32 × n` each. A vertex without a value has NaN, and 0 in the bands.
     fn encode(&self) -> Vec<u8> {
         let map = self.editor.decomposer().vertex_map();
         let n = map.n_vertices();
@@ -89,7 +90,7 @@ impl FieldBands {
         content
     }
 
-    /// Computes the values after layers.
+    /// Computes the values of the field after layers.
     fn edit(&mut self, layers: &[Layer], file: &ShapeFile) -> Result<Vec<f64>, ApiError> {
         let mut weighted = Vec::with_capacity(layers.len());
         for (k, layer) in layers.iter().enumerate() {
@@ -105,19 +106,19 @@ impl FieldBands {
 }
 
 impl PreparedShape {
-    /// Takes over the bands of a field, if they are for the present levels.
+    /// Stores the bands of a field if they are for the current levels.
     pub(crate) fn set_field_bands(&mut self, bands: FieldBands) {
         if bands.levels == self.levels {
             self.field_bands = Some(bands);
         }
     }
 
-    /// Tells whether the bands of a field are stored.
+    /// True if the bands of the field `name` for the current levels are stored.
     pub(crate) fn has_field_bands(&self, name: &str) -> bool {
         self.field_bands.as_ref().is_some_and(|bands| bands.is_for(name, &self.levels))
     }
 
-    /// Computes the field of that name after its layers, with the type of numbers that it has in the file.
+    /// Computes a field after its layers, with the number type that it has in the file.
     pub(crate) fn edited_field(
         &mut self,
         name: &str,
@@ -135,7 +136,7 @@ impl PreparedShape {
         Ok(written_signal(file, name, 1, edited?))
     }
 
-    /// Replaces the fields of `file` that the edit changes.
+    /// Replaces the fields of `file` that the edit changes by their edited values.
     pub(crate) fn replace_edited_fields(
         &mut self,
         file: &mut ShapeFile,
@@ -153,7 +154,7 @@ impl PreparedShape {
     }
 }
 
-/// Computes the bands of a field, unless they are stored; needs no turn of the shape.
+/// Computes the bands of a field unless they are stored, without waiting for other requests of the shape.
 pub(crate) fn compute_bands(
     session: &Session,
     name: &str,
@@ -168,7 +169,7 @@ pub(crate) fn compute_bands(
     FieldBands::new(name, &session.file(), &decomposer, &levels, progress).map(Some)
 }
 
-/// Stores the bands of a field, and responds with them.
+/// Stores the bands of a field and responds with them.
 pub(crate) fn bands_response(session: &Session, name: &str, computed: Option<FieldBands>) -> ApiResult {
     let mut prepared = session.lock_prepared()?;
     if let Some(bands) = computed {
@@ -183,7 +184,7 @@ pub(crate) fn bands_response(session: &Session, name: &str, computed: Option<Fie
     }
 }
 
-/// Responds with a field after its edit: as `f32 × n`, or as a file of values in double precision.
+/// Responds with an edited field: as `f32 × n`, or as a file of values in double precision.
 pub(crate) fn edited_field_response(session: &Session, name: &str, format: Option<&str>) -> ApiResult {
     let file = session.file();
     let field = session.lock_prepared()?.edited_field(name, &file, session.progress())?;
@@ -198,7 +199,7 @@ pub(crate) fn edited_field_response(session: &Session, name: &str, format: Optio
     Ok(bytes_response(content))
 }
 
-/// Writes a field alone, as `adwave filter` does.
+/// Writes a single field, as `adwave filter` does.
 fn write_values(path: &Path, format: &str, field: Field, file: &ShapeFile) -> Result<(), ApiError> {
     let written = match format {
         "npy" => {

@@ -1,8 +1,8 @@
 //! Access control: only the page of this server, opened through its link, may send requests.
 //!
 //! The server listens on the loopback interface, which any local program and any web page in a local browser can reach.
-//! Three rules protect it. The `Host` header must be one of its own names, so that a DNS name rebound to the loopback is
-//! rejected. A request sent by a page must come from this page. All requests below `/api` need a token that only the
+//! Three rules protect it. The `Host` header must be one of its own names, so that a DNS name rebound to the loopback
+//! is rejected. A request sent by a page must come from this page. All requests below `/api` need a token that only the
 //! printed link contains. There are no cookies, which other ports would share, and no permissions for other origins.
 
 use crate::response::ApiError;
@@ -14,7 +14,7 @@ use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use std::sync::Arc;
 
-/// Token and host names that requests are checked against.
+/// Token and host names against which requests are checked.
 #[derive(Debug)]
 pub(crate) struct Guard {
     token: String,
@@ -37,7 +37,7 @@ const HEADERS: &[(&str, &str)] = &[
     ("cross-origin-resource-policy", "same-origin"),
 ];
 
-/// Random bytes of a token, 192 bits.
+/// Number of random bytes of a token: 192 bits.
 const N_TOKEN_BYTES: usize = 24;
 
 /// Generates an unguessable token of 192 random bits, in URL-safe Base64.
@@ -90,7 +90,7 @@ impl Guard {
         })
     }
 
-    /// Compares the token in constant time.
+    /// True if the request has the token; the comparison takes constant time.
     fn has_token(&self, headers: &HeaderMap) -> bool {
         let header = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
         let Some(token) = header.and_then(|value| value.strip_prefix("Bearer ")) else { return false };

@@ -1,11 +1,11 @@
-//! The studio: an equalizer for shapes in the browser.
+//! Studio: an equalizer for shapes in the browser.
 //!
-//! [`serve`] starts a server on the loopback interface that holds the bands of a shape and its edit, and sends the page in
-//! `web` the data that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control, `session` an open
-//! shape, `document` its edit, `assets` the files of the page.
+//! [`serve`] starts a server on the loopback interface that holds the bands of a shape and its edit, and sends the page
+//! in `web` the arrays that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control, `session` an
+//! open shape, `document` its edit, `assets` the files of the page.
 //!
-//! While a slider is dragged, the page computes the preview itself. Saved shapes are computed here in double precision, with
-//! the same objects as the command `adwave filter`: a saved file is bit-identical to a replay of its recipe.
+//! While a slider is dragged, the page computes the preview itself. Saved shapes are computed here in double precision,
+//! with the same objects as the command `adwave filter`: a saved file is bit-identical to a replay of its recipe.
 
 mod assets;
 mod autosave;

@@ -1,5 +1,5 @@
-//! Edits beside those of bands: clones of detail, and a deformation by handles that is bound once and follows a dragged
-//! handle.
+//! Edits other than those of bands: clones of detail, and a deformation by handles. The deformation is prepared once
+//! and then follows a dragged handle.
 
 use crate::region_weights::region_weights;
 use crate::response::{ApiError, encode_rows};
@@ -16,11 +16,11 @@ const MAX_HANDLES: usize = 200;
 /// Largest number of clones, counted by their targets.
 const MAX_CLONES: usize = 20_000;
 
-/// Edits beside those of bands.
+/// Edits other than those of bands.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ReshapedBy {
-    /// Clones of detail, in their order.
+    /// Clones of detail, applied in this order.
     #[serde(default)]
     pub(crate) clones: Vec<DetailClone>,
     /// Handles that bend the shape.
@@ -33,12 +33,12 @@ impl ReshapedBy {
         self.clones.is_empty() && self.bending().is_none()
     }
 
-    /// The pose, if it has handles.
+    /// Returns the pose if it has handles.
     fn bending(&self) -> Option<&Pose> {
         self.pose.as_ref().filter(|pose| !pose.handles.is_empty())
     }
 
-    /// Checks what does not depend on the shape.
+    /// Checks the limits that do not depend on the shape.
     pub(crate) fn check(&self) -> Result<(), ApiError> {
         let n_handles = self.pose.as_ref().map_or(0, |pose| pose.handles.len());
         if n_handles > MAX_HANDLES {
@@ -56,16 +56,16 @@ impl ReshapedBy {
     }
 }
 
-/// Way in which a shape follows its handles.
+/// Manner in which a shape follows its handles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Follow {
-    /// One step towards the handles, while one is dragged.
+    /// Moves one step toward the handles, while one is dragged.
     Step,
-    /// To rest, from the unbent shape: the result depends on the pose alone.
+    /// Moves to rest from the unbent shape, so that the result depends only on the pose.
     Rest,
 }
 
-/// A bound deformation and the pose that it has.
+/// Prepared deformation with its current pose.
 struct BoundPose {
     deformer: Deformer,
     pose: Pose,
@@ -73,9 +73,9 @@ struct BoundPose {
     is_at_rest: bool,
 }
 
-/// The deformation of a shape, whatever its bands are.
+/// Deformation of a shape, which does not depend on its bands.
 pub(crate) struct Poser {
-    /// Diffusion of the walk, which the base is made with for all levels.
+    /// Diffusion of the walk operator, from which the base is computed for all levels.
     walk: Decomposer,
     bound: Mutex<Option<BoundPose>>,
     clones: Mutex<Option<Clones>>,
@@ -86,7 +86,7 @@ impl Poser {
         Self { walk, bound: Mutex::default(), clones: Mutex::default() }
     }
 
-    /// Bends the shape by a pose; on an error the pose before stays.
+    /// Bends the shape by a pose; on an error the previous pose remains.
     fn follow(
         &self,
         pose: &Pose,
@@ -139,7 +139,7 @@ impl Poser {
         Ok(guard)
     }
 
-    /// Adds clones of detail to positions of the shape.
+    /// Adds the detail of clones to positions of the shape.
     fn add_clones(
         &self,
         clones: &[DetailClone],
@@ -159,7 +159,7 @@ impl Poser {
         Ok(())
     }
 
-    /// Adds clones to positions of the shape and carries them into a pose.
+    /// Adds clones to positions of the shape, then moves the positions into the pose.
     pub(crate) fn carry(
         &self,
         by: &ReshapedBy,
@@ -176,7 +176,8 @@ impl Poser {
         Ok(carried)
     }
 
-    /// Places and frames of some vertices of the shape without changes of its bands, or of all.
+    /// Positions and rotations, after clones and pose, of some vertices of the shape without changes of its bands;
+    /// `None` selects all vertices.
     pub(crate) fn carried_vertices(
         &self,
         by: &ReshapedBy,
@@ -205,7 +206,7 @@ impl Poser {
         Ok(vertices.iter().map(still).collect())
     }
 
-    /// Vertices of a region: those with a weight above 0.
+    /// Lists the vertices of a region, those with a weight above 0.
     fn vertices(&self, region: &Region, file: &ShapeFile) -> Result<Vec<u32>, ApiError> {
         let weights = region_weights(region, file, &self.walk, Progress::none());
         let weights = weights.map_err(|e| ApiError::from_classified(&e))?;
@@ -223,7 +224,7 @@ fn has_equal_regions(a: &Pose, b: &Pose) -> bool {
     has_equal_base(a, b) && a.fixed == b.fixed && regions(a) == regions(b)
 }
 
-/// Encodes places relative to `center`, `f32 × 3 × m`, and then frames as quaternions x, y, z, w, `i16 × 4 × m`.
+/// Encodes positions relative to `center`, `f32 × 3 × m`, and then rotations as quaternions x, y, z, w, `i16 × 4 × m`.
 pub(crate) fn encode_carried(carried: &[CarriedVertex], center: [f64; 3]) -> Vec<u8> {
     let mut content = encode_rows(carried.len(), 12, |k, row| {
         for c in 0..3 {

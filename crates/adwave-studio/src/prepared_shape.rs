@@ -1,4 +1,4 @@
-//! The prepared state of a shape: its bands, its edit and the edited positions.
+//! Prepared state of a shape: its bands, its edit and the edited positions.
 
 use crate::StudioError;
 use crate::document::Document;
@@ -19,16 +19,17 @@ use adwave_io::{ShapeFile, file_normals};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
-/// Default number of levels; small shapes have fewer, large ones as many as reach [`MIN_RELATIVE_WIDTH`].
+/// Default number of levels; small shapes have fewer, large shapes as many as are needed to reach
+/// [`MIN_RELATIVE_WIDTH`].
 const DEFAULT_LEVELS: usize = 8;
-/// Largest default number of levels: the bands that a shader can sum beside the masks of four layers.
+/// Largest default number of levels: the number of bands that a shader can sum in addition to the masks of four layers.
 const MAX_DEFAULT_LEVELS: usize = 12;
-/// Largest width of a default level, relative to the diagonal.
+/// Largest width σ of a default level, relative to the diagonal.
 const MAX_RELATIVE_WIDTH: f64 = 0.25;
-/// Width, relative to the diagonal, that the coarsest default level of a large shape reaches.
+/// Width σ, relative to the diagonal, that the coarsest default level of a large shape reaches.
 const MIN_RELATIVE_WIDTH: f64 = 0.02;
 
-/// Body of `PUT levels`: a count, a count with voices per octave, steps, or widths; the default levels if empty.
+/// Body of `PUT levels`: a count, a count with voices per octave, steps, or widths; if empty, the default levels.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LevelsRequest {
@@ -66,7 +67,7 @@ impl LevelsRequest {
         })
     }
 
-    /// Request for the levels of a prepared shape.
+    /// Converts the levels of a prepared shape to a request.
     fn from_levels(levels: &LevelSpec, schedule: &Schedule) -> Self {
         match levels {
             LevelSpec::Dyadic(n) => Self { levels: Some(*n), ..Self::default() },
@@ -76,15 +77,16 @@ impl LevelsRequest {
     }
 }
 
-/// Default levels: eight dyadic ones, fewer if the widest would exceed a quarter of the diagonal, and more if it would
-/// stay below 2 % of it.
+/// Default levels: eight dyadic levels, fewer if the widest would exceed a quarter of the diagonal, and more if it
+/// would stay below 2 % of it.
 fn default_levels(decomposer: &Decomposer) -> LevelSpec {
     let most = decomposer.levels_reaching(MAX_RELATIVE_WIDTH).0;
     let least = decomposer.levels_reaching(MIN_RELATIVE_WIDTH).0;
     spread_levels(DEFAULT_LEVELS.max(least).min(most).max(3))
 }
 
-/// The dyadic levels 1 … n; beyond [`MAX_DEFAULT_LEVELS`] that many of them, spread evenly from the first to the last.
+/// Returns the dyadic levels 1 … n; if n exceeds [`MAX_DEFAULT_LEVELS`], this number of them, spread evenly from first
+/// to last.
 fn spread_levels(n: usize) -> LevelSpec {
     if n <= MAX_DEFAULT_LEVELS {
         return LevelSpec::Dyadic(n);
@@ -97,11 +99,11 @@ fn spread_levels(n: usize) -> LevelSpec {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct EditSummary {
     revision: u64,
-    /// Largest displacement in model units.
+    /// Largest displacement, in model units.
     greatest: f64,
-    /// Root mean square displacement in model units.
+    /// Root mean square displacement, in model units.
     rms: f64,
-    /// Volume before and after; `None` for a shape that encloses none.
+    /// Volume before and after the edit, in cubed model units; `None` for a shape that encloses no volume.
     volume: Option<[f64; 2]>,
 }
 
@@ -114,7 +116,7 @@ pub(crate) struct LevelInfo {
     fwhm: f64,
 }
 
-/// A shape with its bands, the current edit and the edited positions.
+/// Shape with its bands, the current edit and the edited positions.
 pub(crate) struct PreparedShape {
     pub(crate) decomposer: Decomposer,
     pub(crate) levels: LevelSpec,
@@ -124,10 +126,10 @@ pub(crate) struct PreparedShape {
     pub(crate) points: Arc<Vec<[f64; 3]>>,
     /// Edited positions before clones and the pose.
     pub(crate) unposed: Arc<Vec<[f64; 3]>>,
-    /// The deformation by handles, which does not depend on the levels.
+    /// Deformation by handles, which does not depend on the levels.
     pub(crate) poser: Arc<Poser>,
     health: OnceLock<Health>,
-    /// Outward normals of the original shape: the outside does not change with an edit.
+    /// Outward normals of the original shape; an edit does not change the outside.
     outward_normals: OnceLock<OutwardNormals>,
     /// Regions of the active layers with their weights.
     regions: Vec<(Region, RegionWeights)>,
@@ -135,7 +137,7 @@ pub(crate) struct PreparedShape {
     pub(crate) field_bands: Option<FieldBands>,
 }
 
-/// Positions after an edit.
+/// Positions after an edit, in model units.
 struct EditedPoints {
     points: Arc<Vec<[f64; 3]>>,
     unposed: Arc<Vec<[f64; 3]>>,
@@ -208,12 +210,12 @@ impl PreparedShape {
         Ok(Self::new(shape, walk, request.to_levels(walk)?, progress)?)
     }
 
-    /// Returns counts of components and defects; computed once.
+    /// Returns the counts of components and defects, which are computed once.
     pub(crate) fn health(&self) -> &Health {
         self.health.get_or_init(|| self.decomposer.health())
     }
 
-    /// Returns the outward normals of the original shape; computed once.
+    /// Returns the outward normals of the original shape, which are computed once.
     pub(crate) fn outward_normals(&self, file: &ShapeFile) -> Result<&OutwardNormals, ApiError> {
         if let Some(normals) = self.outward_normals.get() {
             return Ok(normals);
@@ -228,7 +230,7 @@ impl PreparedShape {
         self.schedule.n_levels()
     }
 
-    /// Returns the request that leads to the present levels.
+    /// Returns the request that leads to the current levels.
     pub(crate) fn levels_request(&self) -> LevelsRequest {
         LevelsRequest::from_levels(&self.levels, &self.schedule)
     }
@@ -250,7 +252,7 @@ impl PreparedShape {
         self.schedule.steps().iter().zip(&sigma).enumerate().map(one).collect()
     }
 
-    /// Computes the weights of a region, or returns those of an active layer with the same region.
+    /// Computes the weights of a region, or returns those of an active layer with an equal region.
     pub(crate) fn region_weights(
         &mut self,
         region: &Region,
@@ -309,7 +311,8 @@ impl PreparedShape {
         weighted.collect()
     }
 
-    /// Computes the positions after the layers of the editor, and the constraints and the pose of `document`.
+    /// Computes the positions after the layers of the editor, then applies the constraints, clones and pose of
+    /// `document`.
     fn edited_points(&self, document: &Document, file: &ShapeFile) -> Result<EditedPoints, ApiError> {
         let before = file.points();
         let edited = self.editor.edited().as_chunks().0.to_vec();
@@ -342,7 +345,8 @@ impl PreparedShape {
         Ok(EditedPoints { points, unposed, summary })
     }
 
-    /// Returns the volume before and after the edit; `None` for a surface that encloses none.
+    /// Returns the volume before and after the edit, in cubed model units; `None` for a surface that encloses no
+    /// volume.
     fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
         let geometry = self.decomposer.geometry()?;
         self.health()

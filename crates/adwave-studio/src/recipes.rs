@@ -1,4 +1,4 @@
-//! Recipes as files: the edit of the positions or of one field, sent and opened.
+//! Recipes as files: the edit of the positions or of one field is sent and opened.
 
 use crate::document::{Document, layers_of_recipe};
 use crate::field_bands::{FIELD_FIT, editable_field};
@@ -15,7 +15,7 @@ use adwave_io::{Recipe, parse_recipe, recipe_to_text};
 use serde_json::json;
 use std::sync::Arc;
 
-/// Signals of a recipe that the command computes from a shape, beside [`SurfaceSignal`].
+/// Names of signals of a recipe that the command computes from a shape, in addition to [`SurfaceSignal`].
 const COMPUTED: [&str; 8] =
     ["x", "y", "z", "luminance", "lightness", "texture", "texture-luminance", "texture-lightness"];
 
@@ -30,7 +30,7 @@ pub(crate) fn recipe_response(session: &Session, field: Option<&str>) -> ApiResu
     Ok(bytes_response(recipe_to_text(&recipe)))
 }
 
-/// Replaces the levels, and the edit of the positions or of the field that the recipe names; the other edits stay.
+/// Replaces the levels, and the edit of the positions or of the field that the recipe names; the other edits remain.
 pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
     let recipe = parse_recipe(text).map_err(|e| ApiError::from_classified(&e))?;
     if recipe.density_invariant || recipe.keep_creases {
@@ -72,8 +72,8 @@ pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
     }))
 }
 
-/// The levels of a recipe in the form that makes the studio compute the bands that the command computes: the studio
-/// takes the walk for steps, and the surface operator for widths.
+/// Converts the levels of a recipe to a form for which the studio computes the same bands as the command. The studio
+/// uses the walk operator for steps, and the surface operator for widths.
 fn levels_of_recipe(session: &Session, recipe: &Recipe, field: Option<&str>) -> Result<LevelSpec, ApiError> {
     let is_walk_by_width = recipe.operator == Some(OperatorKind::Walk) && recipe.levels.is_by_width();
     let is_counted = matches!(recipe.levels, LevelSpec::Default | LevelSpec::Voices { .. });
@@ -101,7 +101,8 @@ fn levels_of_recipe(session: &Session, recipe: &Recipe, field: Option<&str>) -> 
     })
 }
 
-/// Name of the field of this shape that a recipe edits: its own, or that of the file of values that it names.
+/// Returns the name of the field of this shape that a recipe edits: the named field, or that of the file of values that
+/// the recipe names.
 fn field_of_recipe(session: &Session, recipe: &Recipe) -> Result<String, ApiError> {
     let asked = recipe.field.as_str();
     if !recipe.clones.is_empty() || recipe.pose.is_some() {

@@ -14,13 +14,14 @@ use serde_json::json;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Number of reports that stay available.
+/// Number of reports that remain available.
 const MAX_REPORTS: usize = 4;
-/// Content security policy: a report loads nothing.
+/// Content security policy, by which a report loads nothing.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-/// Reports by the random token in their address, because a browser sends no header when a link is opened.
+/// Reports by the random token in their address. A token is needed because a browser sends no header when a link is
+/// opened.
 #[derive(Debug, Default)]
 pub(crate) struct Reports(Mutex<VecDeque<(String, Arc<str>)>>);
 
@@ -37,7 +38,7 @@ impl Reports {
         Ok(format!("report/{token}"))
     }
 
-    /// Responds with the report of a token.
+    /// Responds with the report of a token, or with an error if it has expired.
     pub(crate) fn page_response(&self, token: &str) -> Response {
         let reports = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match reports.iter().find(|(known, _)| known == token) {

@@ -9,12 +9,12 @@ use axum::response::{IntoResponse, Response};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// A rejected or failed request: its status and its message.
+/// Rejected or failed request: its status and its message.
 #[derive(Debug)]
 pub(crate) struct ApiError {
     status: StatusCode,
     message: String,
-    /// Further fields of the JSON body, which the page needs to recover.
+    /// Additional fields of the JSON body, which the page needs to recover.
     fields: serde_json::Value,
 }
 
@@ -28,13 +28,13 @@ impl ApiError {
         Self::new(StatusCode::BAD_REQUEST, message)
     }
 
-    /// Adds words before the message.
+    /// Adds words at the beginning of the message.
     pub(crate) fn with_prefix(mut self, prefix: &str) -> Self {
         self.message.insert_str(0, prefix);
         self
     }
 
-    /// Adds fields to the JSON body beside `error`.
+    /// Adds fields to the JSON body, next to `error`.
     pub(crate) fn with_fields(mut self, fields: serde_json::Value) -> Self {
         self.fields = fields;
         self
@@ -74,7 +74,7 @@ impl IntoResponse for ApiError {
     }
 }
 
-/// A response, or the error that is sent instead.
+/// Response, or the error that is sent instead.
 pub(crate) type ApiResult = Result<Response, ApiError>;
 
 /// Builds a JSON response.
@@ -89,7 +89,8 @@ pub(crate) fn bytes_response(content: impl Into<Body>) -> Response {
     ([(header::CONTENT_TYPE, content_type)], content.into()).into_response()
 }
 
-/// Builds a binary response with JSON in one additional header, in ASCII: a browser reads headers as Latin-1.
+/// Builds a binary response with JSON in one additional header. The JSON is ASCII, because browsers read headers as
+/// Latin-1.
 pub(crate) fn bytes_response_with_header(
     content: Vec<u8>,
     name: &'static str,
@@ -118,7 +119,7 @@ fn to_ascii_json(value: &serde_json::Value) -> String {
     ascii
 }
 
-/// Rows that one thread encodes at a time.
+/// Number of rows that one thread encodes at a time.
 const ROWS_PER_CHUNK: usize = 1 << 14;
 
 /// Encodes `n` values in single precision, little-endian.

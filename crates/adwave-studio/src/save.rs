@@ -1,4 +1,4 @@
-//! Writing the edited shape: next to the opened file, or as a download.
+//! Writing of the edited shape: next to the opened file, or as a download.
 
 use crate::response::{ApiError, ApiResult, bytes_response, json_response};
 use crate::session::Session;
@@ -15,7 +15,7 @@ use std::sync::PoisonError;
 pub(crate) struct SaveRequest {
     /// File name without folders; `NAME-edited.EXT` if `None`.
     name: Option<String>,
-    /// Permission to replace an existing file.
+    /// True to permit the replacement of an existing file.
     #[serde(default)]
     replace: bool,
 }
@@ -33,7 +33,7 @@ pub(crate) fn save(session: &Session, request: &SaveRequest) -> ApiResult {
     )
 }
 
-/// Formats the content that the target format cannot store, as sentences.
+/// Formats the list of contents that the target format cannot store, as sentences.
 fn format_losses(not_written: &[String]) -> Vec<String> {
     not_written
         .iter()

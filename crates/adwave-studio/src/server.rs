@@ -20,13 +20,13 @@ use std::time::Duration;
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct StudioParams {
-    /// Port; 0 chooses a free one.
+    /// Port to listen on; 0 chooses a free port.
     pub port: u16,
-    /// Address to listen on instead of the loopback interface; other machines may reach it.
+    /// Address to listen on instead of the loopback interface; other machines may then reach the server.
     pub host: Option<IpAddr>,
-    /// Folder that stores edits between sessions; the state folder of the user if `None`.
+    /// Folder that stores edits between sessions; if `None`, the state folder of the user.
     pub autosave_folder: Option<PathBuf>,
-    /// Number of compute threads; that of the caller's thread pool if `None`.
+    /// Number of compute threads; if `None`, that of the caller's thread pool.
     pub n_threads: Option<usize>,
 }
 
@@ -59,7 +59,7 @@ impl StudioParams {
 /// Address of a running studio.
 #[derive(Clone, Debug)]
 pub struct StudioAddress {
-    /// Link with the access token. Anyone who has it can use the studio.
+    /// Link with the access token. Anyone who has the link can use the studio.
     pub url: String,
 }
 
@@ -68,7 +68,7 @@ pub struct StudioAddress {
 pub struct StudioOutcome {
     /// Edit as a recipe in TOML.
     pub recipe: String,
-    /// Edited positions, in the order of the vertices of the shape.
+    /// Edited positions in model units, in the order of the vertices of the shape.
     pub points: Vec<[f64; 3]>,
     /// True if the user ended the studio in the page, false if it was cancelled.
     pub is_done: bool,
@@ -79,9 +79,9 @@ pub(crate) struct Studio {
     sessions: RwLock<Vec<Arc<Session>>>,
     next_id: AtomicU64,
     autosave_folder: Option<PathBuf>,
-    /// Folder of the first shape, where uploaded shapes are saved too.
+    /// Folder of the first shape, in which uploaded shapes are saved too.
     folder: PathBuf,
-    /// Own thread pool, with the requested number of threads; it also works in a forked process.
+    /// Separate thread pool with the requested number of threads; it also works in a forked process.
     pub(crate) pool: Arc<rayon::ThreadPool>,
     pub(crate) reports: Reports,
     is_done: AtomicBool,
@@ -90,7 +90,7 @@ pub(crate) struct Studio {
 
 /// Interval at which the end of the studio is checked.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
-/// Time that pending responses get at shutdown.
+/// Time for pending responses at shutdown.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(500);
 
 impl Studio {
@@ -128,7 +128,8 @@ impl Studio {
         self.sessions.write().unwrap_or_else(PoisonError::into_inner).retain(|session| session.id != id);
     }
 
-    /// Name `STEM-WORD.EXT` for a shape made from the one called `name`, with a number if an open shape has it.
+    /// Returns a name `STEM-WORD.EXT` for a shape made from the shape `name`, with a number if an open shape has this
+    /// name.
     pub(crate) fn unused_name(&self, name: &str, word: &str) -> String {
         let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "ply"));
         let sessions = self.sessions();
@@ -145,7 +146,8 @@ impl Studio {
     }
 }
 
-/// Runs the studio on a shape until the user ends it or `progress` is cancelled; `ready` is called once with the address.
+/// Runs the studio on a shape until the user ends it or `progress` is cancelled; `ready` is called once with the
+/// address.
 ///
 /// # Errors
 /// Returns a [`StudioError`] if the shape has no positions or is too large, or if no port is available.
@@ -210,7 +212,7 @@ async fn wait_for_end(studio: &Studio, progress: Progress<'_>) {
     }
 }
 
-/// Collects the edit and the edited positions; the original ones if the bands were not ready.
+/// Collects the edit and the edited positions, or the original positions if the bands could not be computed.
 fn collect_outcome(session: &Session, is_done: bool) -> StudioOutcome {
     if let Ok(prepared) = session.lock_prepared() {
         let recipe = prepared.document.to_recipe(&prepared.levels, prepared.decomposer.operator_kind());

@@ -1,4 +1,4 @@
-//! An open shape.
+//! State of an open shape.
 
 use crate::StudioError;
 use crate::autosave::Autosave;
@@ -18,15 +18,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
-/// Largest number of vertices: with eight bands a browser needs about 100 bytes for each.
+/// Largest number of vertices; with eight bands a browser needs about 100 bytes per vertex.
 const MAX_VERTICES: usize = 12_000_000;
 
-/// The shape to open in the studio.
+/// Shape to open in the studio.
 #[derive(Clone, Debug)]
 pub struct StudioInput {
     /// Display name.
     pub name: String,
-    /// Path of its file; results are saved next to it.
+    /// Path of the shape's file; results are saved next to it.
     pub path: Option<PathBuf>,
     /// Content of the file.
     pub file: ShapeFile,
@@ -41,28 +41,28 @@ pub(crate) struct OpenedShape {
     pub(crate) shape: Shape,
 }
 
-/// An open shape with its lazily computed state.
+/// Open shape with its lazily computed state.
 pub(crate) struct Session {
     pub(crate) id: u64,
     pub(crate) input: OpenedShape,
-    /// Content of the file, and the fields that were added to it.
+    /// Content of the file, with the fields that were added.
     file: RwLock<Arc<ShapeFile>>,
-    /// Names of its fields that cannot be edited; `None` until they are asked for.
+    /// Names of the fields that cannot be edited; `None` until they are needed.
     uneditable: Mutex<Option<Arc<HashSet<String>>>>,
-    /// Folder for saved files.
+    /// Folder in which files are saved.
     pub(crate) folder: PathBuf,
     pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
     walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<PreparedShape>, Arc<StudioError>>>,
     turn: Mutex<()>,
-    /// Vertices that the page draws while the shape moves.
+    /// Indices of the vertices that the page draws while the shape moves.
     drawn: Mutex<Arc<Vec<u32>>>,
     autosave: Option<Autosave>,
     was_resumed: OnceLock<bool>,
     /// Files written by this session, which may be overwritten.
     pub(crate) written: Mutex<HashSet<PathBuf>>,
-    /// Set at shutdown to cancel computations.
+    /// Flag that is set at shutdown to cancel computations.
     stop: Arc<AtomicBool>,
 }
 
@@ -122,8 +122,8 @@ impl Session {
 
     /// Waits until no other request of this shape is handled.
     ///
-    /// Must be called outside the compute threads: a thread of the pool that waits steals other work meanwhile, and could
-    /// then wait for a lock that it holds itself.
+    /// Must be called outside the compute threads: a thread of the pool that waits takes over other work meanwhile, and
+    /// could then wait for a lock that it holds itself.
     pub(crate) fn wait_turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -132,12 +132,12 @@ impl Session {
         *self.drawn.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(vertices);
     }
 
-    /// Vertices that the page draws while the shape moves.
+    /// Returns the indices of the vertices that the page draws while the shape moves.
     pub(crate) fn drawn_vertices(&self) -> Arc<Vec<u32>> {
         Arc::clone(&self.drawn.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Returns the diffusion of the walk operator, in whose steps levels are counted; computed once.
+    /// Returns the diffusion of the walk operator, whose steps define the levels; computed once.
     pub(crate) fn walk_decomposer(&self) -> Result<&Decomposer, ApiError> {
         let result = self.walk_decomposer.get_or_init(|| {
             build_decomposer(&self.input.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
@@ -170,7 +170,7 @@ impl Session {
         Arc::clone(&self.file.read().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Returns the names of fields of the file that cannot be edited; computed once for each content.
+    /// Returns the names of the file's fields that cannot be edited; computed once for each content of the file.
     pub(crate) fn uneditable_fields(&self) -> Arc<HashSet<String>> {
         let mut known = self.uneditable.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(known.get_or_insert_with(|| {
@@ -181,7 +181,7 @@ impl Session {
         }))
     }
 
-    /// Adds the values of a file at the vertices; returns the names of the new fields.
+    /// Adds the per-vertex values of a file as fields, and returns the names of the new fields.
     pub(crate) fn add_fields(&self, name: &str, content: &[u8]) -> Result<Vec<String>, ApiError> {
         let folder = tempfile::tempdir().map_err(StudioError::from)?;
         let path = folder.path().join(name);
@@ -278,15 +278,15 @@ impl Session {
 /// Largest number of fields that a file of values may add.
 const MAX_ADDED_FIELDS: usize = 64;
 
-/// Name of the field of a file of values: that of the file without its endings.
+/// Returns the name for the field of a file of values: the file name without its extensions.
 pub(crate) fn name_of_values(file_name: &str) -> &str {
     ["gz", "npy", "dmat", "csv", "tsv", "txt", "gii", "nii", "mgh", "mgz", "annot", "label"]
         .iter()
         .fold(file_name, |stem, ending| stem.strip_suffix(&format!(".{ending}")).unwrap_or(stem))
 }
 
-/// Adds the values of a file at the vertices as fields: one for each channel, named after the file. Returns their names,
-/// or the reason why the file has none for this shape.
+/// Adds the per-vertex values of a file as fields, one for each channel, named after the file. Returns the names of the
+/// fields, or the reason for which the file has no values for this shape.
 fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<String>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let source = SignalSource { file, shape, name: "the shape" };

@@ -1,6 +1,6 @@
 //! Execution of requests on blocking threads, with the studio's own thread pool.
 //!
-//! Requests that need the bands of a shape are handled one after the other per shape.
+//! Requests that need the bands of a shape are handled one after another for each shape.
 
 use crate::response::{ApiError, ApiResult};
 use crate::server::Studio;
@@ -25,7 +25,7 @@ pub(crate) async fn run_blocking(
     result.unwrap_or_else(|_| panicked()).into_response()
 }
 
-/// Runs `task` on one shape, in its turn and in the studio's thread pool.
+/// Runs `task` on one shape, after waiting for the shape's turn, in the studio's thread pool.
 pub(crate) async fn with_shape(
     studio: Arc<Studio>,
     id: u64,
@@ -52,7 +52,7 @@ pub(crate) async fn run_inline(
     .await
 }
 
-/// Cancels a computation when it is dropped: the request was cancelled, or it is finished.
+/// Flag that cancels a computation when it is dropped, because the request was cancelled or is finished.
 pub(crate) struct CancelOnDrop(pub(crate) Arc<AtomicBool>);
 
 impl Drop for CancelOnDrop {
@@ -61,8 +61,8 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// Computes bands without blocking other requests of the shape, and puts them into place in the shape's turn. A page
-/// that goes away or drops the request cancels it.
+/// Computes bands without blocking other requests of the shape, then installs them in the shape's turn. The computation
+/// is cancelled if the page is closed or drops the request.
 pub(crate) async fn run_cancellable<T: Send>(
     studio: Arc<Studio>,
     id: u64,
@@ -96,7 +96,7 @@ pub(crate) async fn run_cancellable<T: Send>(
     .await
 }
 
-/// Runs a long task: `snapshot` copies its input in the shape's turn, `task` then runs without blocking other requests.
+/// Runs a long task: `snapshot` copies its input in the shape's turn, then `task` runs without blocking other requests.
 pub(crate) async fn spawn_blocking_task<T: Send>(
     studio: Arc<Studio>,
     id: u64,

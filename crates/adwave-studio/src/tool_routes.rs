@@ -52,7 +52,7 @@ pub(crate) async fn compare_methods(
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DenoiseRequest {
-    /// Factor on the estimated noise level; 1 by default.
+    /// Factor for the estimated noise level; 1 by default.
     #[serde(default = "default_strength")]
     strength: f64,
 }
@@ -83,7 +83,7 @@ pub(crate) async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64
     .await
 }
 
-/// Measures the distances of the edited shape from another open one.
+/// Measures the distances of the edited shape from another open shape.
 pub(crate) async fn measure_deviation(
     State(studio): StudioState,
     Path(id): Path<u64>,

@@ -1,10 +1,10 @@
 //! One step to a coarser level: coarse vertices, midpoints with their parents, and the coarse faces.
 //!
-//! Subdivision leaves marks: a midpoint of an edge inside the surface has six neighbors, of which two opposite ones are the
-//! ends of its edge, and a midpoint on a border has four, of which the two along the border are. So any other vertex is a
-//! coarse one, the neighbors of a coarse vertex are midpoints, and straight across a midpoint lies a coarse vertex. From
-//! one coarse vertex these rules reach every vertex of its part in O(n), or contradict each other. If a part has no
-//! irregular vertex, its first vertex and the neighbors of this one are tried in turn.
+//! Subdivision leaves marks. A midpoint of an edge inside the surface has six neighbors; two opposite ones are the ends
+//! of its edge. A midpoint on a border has four neighbors; the two along the border are the ends. So any other vertex
+//! is a coarse one, the neighbors of a coarse vertex are midpoints, and straight across a midpoint lies a coarse
+//! vertex. From one coarse vertex these rules reach every vertex of its part in O(n), or contradict each other. If a
+//! part has no irregular vertex, its first vertex and the neighbors of that vertex are tried in turn.
 
 use crate::topology::{NONE, Topology};
 use crate::{Obstacle, SubdivisionError};
@@ -20,9 +20,9 @@ enum Parity {
     Midpoint,
 }
 
-/// A step to a coarser level, in the numbering of the finer one.
+/// Step to a coarser level, in the numbering of the finer level.
 pub(crate) struct Coarsening {
-    /// Vertices that stay, increasing.
+    /// Vertices that remain on the coarser level, increasing.
     pub(crate) coarse: Vec<u32>,
     /// Midpoints, increasing.
     pub(crate) midpoints: Vec<u32>,
@@ -30,9 +30,11 @@ pub(crate) struct Coarsening {
     pub(crate) parents: Vec<[u32; 2]>,
     /// Corners of each coarse face, as vertices of the finer level.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Midpoint of each half-edge of the coarse faces as a vertex of the finer level; [`NONE`] in a part that stays.
+    /// Midpoint of each half-edge of the coarse faces, as a vertex of the finer level; [`NONE`] in a part without a
+    /// coarser level.
     pub(crate) midpoint_of: Vec<u32>,
-    /// Faces of the finer level in each coarse face: the central one, then those at its corners; or one, then [`NONE`].
+    /// Faces of the finer level in each coarse face: the central one, then those at its corners. An unchanged face has
+    /// itself, then [`NONE`].
     pub(crate) children: Vec<[u32; 4]>,
 }
 
@@ -60,8 +62,8 @@ impl<'a> ParitySearch<'a> {
         }
     }
 
-    /// Finds the coarse vertices of the part of `first`, of which `irregular` cannot be a midpoint; the reason if there is no
-    /// coarser level.
+    /// Finds the coarse vertices of the part of `first`, and returns the reason if there is no coarser level.
+    /// `irregular` is a vertex of the part that cannot be a midpoint, if there is one.
     pub(crate) fn search_part(
         &mut self,
         first: u32,
@@ -82,7 +84,7 @@ impl<'a> ParitySearch<'a> {
         Ok(obstacle)
     }
 
-    /// Spreads the rules from one coarse vertex over its part; takes everything back if they contradict each other.
+    /// Spreads the rules from one coarse vertex over its part; undoes all changes if they contradict each other.
     fn flood(&mut self, seed: u32) -> Result<Option<Obstacle>, SubdivisionError> {
         self.queue.clear();
         self.reached.clear();
@@ -110,7 +112,7 @@ impl<'a> ParitySearch<'a> {
         self.reached.push(v);
     }
 
-    /// Makes the neighbors of a coarse vertex midpoints, and what lies straight across them coarse.
+    /// Marks the neighbors of a coarse vertex as midpoints, and the vertices straight across them as coarse.
     fn visit_coarse(&mut self, v: u32) -> Result<(), Obstacle> {
         let topology = self.topology;
         let mut n_spokes = 0;
@@ -155,7 +157,7 @@ impl<'a> ParitySearch<'a> {
         Ok(())
     }
 
-    /// The coarse mesh. Vertices that no search has reached stay.
+    /// Builds the coarse mesh. Vertices that no search has reached remain.
     pub(crate) fn finish(self) -> Coarsening {
         let topology = self.topology;
         let is_midpoint = |v: u32| self.parity[v as usize] == Parity::Midpoint;

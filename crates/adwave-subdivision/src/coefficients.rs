@@ -1,17 +1,18 @@
-//! Coefficients of a field, and the largest of them.
+//! Coefficients of a field, and a selection of the largest.
 
 use crate::SubdivisionError;
 
-/// Coefficients of a field: as many as it has values, one row for each vertex or face of the mesh.
+/// Coefficients of a field: one row for each vertex or face of the mesh, as many values as the field has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiftedCoefficients {
     /// Number of channels.
     pub n_channels: usize,
-    /// Coefficients, row-major, in the order of the mesh.
+    /// Coefficients, row-major (n_rows × n_channels), in the order of the mesh.
     pub values: Vec<f64>,
-    /// Level of each row: 1 for the finest details, one more than the number of levels for values of the coarsest level.
+    /// Level of each row: 1 for the finest details, one more than the number of levels for values of the coarsest
+    /// level.
     pub levels: Vec<u32>,
-    /// Norm of the function of each row.
+    /// Norm of the basis function of each row.
     pub norms: Vec<f64>,
 }
 
@@ -21,8 +22,8 @@ impl LiftedCoefficients {
         self.levels.len()
     }
 
-    /// These coefficients with all rows set to 0 but a share of those that contribute most, by coefficient times norm; among
-    /// equal ones the first rows stay. The number is rounded up.
+    /// Keeps the share of the rows that contribute most, by coefficient times norm, and sets all others to 0. Of equal
+    /// rows the first are kept. The number of kept rows is rounded up.
     ///
     /// # Errors
     /// [`SubdivisionError::Share`] unless the share is in [0, 1].

@@ -14,7 +14,7 @@ pub enum Obstacle {
     Valence {
         /// Vertex of the mesh.
         vertex: u32,
-        /// Its number of neighbors.
+        /// Number of neighbors of the vertex.
         n_neighbors: usize,
     },
     /// A vertex would be a coarse vertex and a midpoint.
@@ -23,7 +23,7 @@ pub enum Obstacle {
         /// Vertex of the mesh.
         vertex: u32,
     },
-    /// A midpoint lies on the border, but its coarse edge does not, or the other way round.
+    /// A midpoint lies on the border, but its coarse edge does not, or vice versa.
     #[error("the border passes through the midpoint {vertex} of an edge that does not lie on the border")]
     Border {
         /// Vertex of the mesh.
@@ -62,7 +62,7 @@ pub enum SubdivisionError {
     NotTriangle {
         /// Index of the face.
         face: usize,
-        /// Number of its corners.
+        /// Number of corners of the face.
         n_corners: usize,
     },
     /// A face names a vertex that does not exist.
@@ -86,11 +86,11 @@ pub enum SubdivisionError {
     /// An edge has more than two faces.
     #[error("the edge between vertices {a} and {b} has {n_faces} faces; subdivision levels need at most two")]
     ManyFaces {
-        /// One end.
+        /// One end of the edge.
         a: u32,
-        /// Other end.
+        /// Other end of the edge.
         b: u32,
-        /// Number of faces.
+        /// Number of faces of the edge.
         n_faces: usize,
     },
     /// The mesh has no faces.
@@ -99,7 +99,7 @@ pub enum SubdivisionError {
     /// No part of the mesh has a coarser level.
     #[error("the mesh has no levels of subdivision: {obstacle}; family 'irregular' works on any mesh")]
     NoLevels {
-        /// First reason.
+        /// Reason for the first part.
         obstacle: Obstacle,
     },
     /// A level does not exist.
@@ -110,10 +110,10 @@ pub enum SubdivisionError {
         /// Number of levels.
         n_levels: usize,
     },
-    /// A number of values does not fit.
+    /// The number of values does not fit.
     #[error("{expected} {what} are needed, got {n_given}")]
     WrongNumber {
-        /// Noun of the values.
+        /// Name of the values, a plural noun.
         what: &'static str,
         /// Number of values given.
         n_given: usize,
@@ -123,7 +123,7 @@ pub enum SubdivisionError {
     /// A value is NaN or infinite.
     #[error("{what} must be finite, and the value of {element} is {value}; fill missing values first")]
     NotFinite {
-        /// Noun of the values.
+        /// Name of the values, a plural noun.
         what: &'static str,
         /// Index of the vertex or face.
         element: usize,
@@ -144,7 +144,7 @@ pub enum SubdivisionError {
          the values equal first"
     )]
     Seam {
-        /// The copy.
+        /// Vertex whose values differ.
         vertex: u32,
         /// The first vertex at that position.
         first: u32,
@@ -159,17 +159,17 @@ pub enum SubdivisionError {
     Crowded {
         /// Vertex of the mesh.
         vertex: u32,
-        /// Its number of neighbors on a coarser level.
+        /// Number of neighbors of the vertex on a coarser level.
         n_neighbors: usize,
-        /// Greatest number allowed.
+        /// Largest number allowed.
         most: usize,
     },
-    /// A family cannot be used for what was asked.
+    /// A family cannot be used for the request.
     #[error("family '{family}' {reason}")]
     Family {
         /// Name of the family.
         family: &'static str,
-        /// The reason, and the type to use.
+        /// Reason, and the type to use instead.
         reason: &'static str,
     },
     /// The call was cancelled.

@@ -1,33 +1,34 @@
-//! The coarse values from which Loop subdivision makes given values at the coarse vertices.
+//! Solver for the coarse values from which Loop subdivision makes given values at the coarse vertices.
 //!
-//! Loop subdivision moves the coarse vertices too: `f = E·c` with `E c(v) = c(v) + Σ β(v)·(c(w) − c(v))`. Vertices on a border
-//! take part in the rows of others, but have only each other in their own. Both blocks, divided by their β, are symmetric
-//! and positive definite: inside, the spectrum of the rows divided by their diagonals lies between
-//! 1 − max (nβ/2)/(1 − nβ) and 1 + max nβ/(1 − nβ), since Σ (x_a + x_b + x_c)² ≥ 0 over the faces; on a border between 2/3
-//! and 4/3. Chebyshev's iteration with these bounds needs a fixed number of steps, and no sums over all vertices.
+//! Loop subdivision moves the coarse vertices too: `f = E·c` with `E c(v) = c(v) + Σ β(v)·(c(w) − c(v))`. Vertices on a
+//! border occur in the rows of others, but their own rows have only neighbors on the border. Both blocks, divided by
+//! their β, are symmetric and positive definite. Inside, the spectrum of the rows divided by their diagonals lies
+//! between 1 − max (nβ/2)/(1 − nβ) and 1 + max nβ/(1 − nβ), since Σ (x_a + x_b + x_c)² ≥ 0 over the faces; on a border
+//! it lies between 2/3 and 4/3. Chebyshev's iteration with these bounds needs a fixed number of steps, and no sums over
+//! all vertices.
 
 use crate::rows::visit_rows;
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
-/// Residual that the iteration is bound to reach, relative to the values.
+/// Residual that the iteration reaches, relative to the values.
 const ACCURACY: f64 = 1e-16;
 
-/// The rule of the coarse vertices, prepared for solving.
+/// Rule E of the coarse vertices, prepared for solving.
 #[derive(Clone, Debug)]
 pub(crate) struct EvenRule {
-    /// Weights of the neighbors; the vertex itself has 1 less their sum.
+    /// Weights of the neighbors; the weight of the vertex itself is 1 minus their sum.
     neighbors: CompressedRows<f64>,
-    /// Weight of each vertex in itself.
+    /// Weight of each vertex in its own row.
     diagonal: Vec<f64>,
-    /// Number of steps, and the bounds of the spectrum.
+    /// Number of steps; the bounds of the spectrum are `least` and `greatest`.
     n_steps: usize,
     least: f64,
     greatest: f64,
 }
 
 impl EvenRule {
-    /// Prepares weights of neighbors.
+    /// Prepares the rule with the given weights of neighbors.
     pub(crate) fn new(neighbors: CompressedRows<f64>) -> Self {
         let diagonal: Vec<f64> =
             (0..neighbors.n_rows()).map(|v| 1.0 - neighbors.row(v).1.iter().sum::<f64>()).collect();
@@ -43,12 +44,12 @@ impl EvenRule {
         Self { neighbors, diagonal, n_steps, least, greatest }
     }
 
-    /// Entries of a row of E: the vertex itself, and its neighbors.
+    /// Entries of a row of E: the weight of the vertex itself, then those of its neighbors.
     pub(crate) fn row(&self, v: usize) -> (f64, (&[u32], &[f64])) {
         (self.diagonal[v], self.neighbors.row(v))
     }
 
-    /// Values E·c at the coarse vertices.
+    /// Computes the values E·c at the coarse vertices, for `d` channels.
     pub(crate) fn apply(&self, c: &[f64], d: usize, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         let mut out = c.to_vec();
         visit_rows(&mut out, d, progress, |first, rows| {
@@ -64,7 +65,7 @@ impl EvenRule {
         Ok(out)
     }
 
-    /// Replaces the values f = E·c by c.
+    /// Replaces the values f = E·c by c, for `d` channels.
     pub(crate) fn solve(&self, f: &mut [f64], d: usize, progress: Progress<'_>) -> Result<(), Cancelled> {
         // Chebyshev's iteration (`saad2003`, algorithm 12.1) for the rows divided by their diagonals.
         let (middle, half) = (f64::midpoint(self.greatest, self.least), 0.5 * (self.greatest - self.least));
@@ -94,7 +95,7 @@ impl EvenRule {
         Ok(())
     }
 
-    /// (f − E·c) divided by the diagonal.
+    /// Computes the residual (f − E·c) divided by the diagonal.
     fn set_residual(
         &self,
         f: &[f64],

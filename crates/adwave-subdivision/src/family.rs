@@ -11,11 +11,11 @@ pub enum Family {
     /// Prediction by modified butterfly subdivision (`zorin1996`, `schroder1995`).
     #[default]
     Butterfly,
-    /// Loop subdivision, with the coarse vertices by a solve (`bertram2004`).
+    /// Loop subdivision; the coarse values are found by solving a linear system (`bertram2004`).
     Loop,
     /// Haar wavelets on faces, orthonormal for any areas (`bonneau1999`).
     Haar,
-    /// Prediction by mean values in the ring of a removed vertex, on any mesh of triangles (`daubechies2001`).
+    /// Prediction by mean values in the ring of a removed vertex, on any triangle mesh (`daubechies2001`).
     Irregular,
 }
 

@@ -1,9 +1,9 @@
 //! Haar wavelets on faces, orthonormal for any areas.
 //!
-//! A face with four children of areas a₀ … a₃, a₀ in the middle, has the value c = Σ √(a_i/A)·c_i, where c_i is the value of a
-//! child times the root of its area. With q_i = √(a_i/A) the reflection `H = I − 2vvᵀ/vᵀv`, v = q − e₀ (`householder1958`),
-//! maps (c₀, …, c₃) to c and three details: it is orthonormal whatever the areas. If the three outer areas agree, the
-//! details are equal for the outer children up to their order, as those of SOHO (`lessig2008`) are.
+//! Let a face have four children of areas a₀ … a₃, a₀ in the middle. Its value is c = Σ √(a_i/A)·c_i, where c_i is the
+//! value of a child times the root of its area. With q_i = √(a_i/A), the reflection `H = I − 2vvᵀ/vᵀv`, v = q − e₀
+//! (`householder1958`), maps (c₀, …, c₃) to c and three details. It is orthonormal for all areas. If the three outer
+//! areas agree, the details are equal for the outer children up to their order, like those of SOHO (`lessig2008`).
 
 use crate::lifting::{check_field, usable_masses};
 use crate::topology::NONE;
@@ -12,23 +12,23 @@ use adwave::Progress;
 
 /// Haar wavelets on the faces of a hierarchy, prepared for many fields.
 ///
-/// Each face has one coefficient: the outer three of four children a detail of their level, the inner one stands for the
-/// coarser face.
+/// Each face has one coefficient: each of the three outer children has a detail of its level, and the inner child has
+/// the value of the coarser face.
 #[derive(Clone, Debug)]
 pub struct HaarWavelets {
     /// Areas of the faces, with sum 1.
     areas: Vec<f64>,
-    /// Families of faces from fine to coarse, as faces of the mesh.
+    /// Groups of sibling faces for each level, from fine to coarse, as faces of the mesh.
     steps: Vec<Vec<Siblings>>,
     levels: Vec<u32>,
 }
 
-/// Four faces of the mesh that stand for the children of one face, and the reflection of their values.
+/// Four faces of the mesh that represent the children of one face, and the reflection of their values.
 #[derive(Clone, Copy, Debug)]
 struct Siblings {
     faces: [u32; 4],
     v: [f64; 4],
-    /// 2/vᵀv, or 0.
+    /// Factor 2/vᵀv of the reflection, or 0 if v is 0.
     scale: f64,
 }
 
@@ -56,10 +56,10 @@ impl Siblings {
 }
 
 impl HaarWavelets {
-    /// Wavelets of a hierarchy, for areas of its faces.
+    /// Prepares the wavelets of a hierarchy, for the areas of its faces.
     ///
     /// # Errors
-    /// [`SubdivisionError`] for areas of another number, negative or not finite.
+    /// [`SubdivisionError`] if the number of areas is wrong, or if an area is negative or not finite.
     pub fn new(hierarchy: &Hierarchy, areas: &[f64]) -> Result<Self, SubdivisionError> {
         let n_faces = hierarchy.n_faces(0);
         let areas = usable_masses(areas, n_faces, "areas of the faces")?;
@@ -98,12 +98,13 @@ impl HaarWavelets {
         self.areas.len()
     }
 
-    /// Areas of the faces as shares of the whole.
+    /// Areas of the faces as shares of the total area.
     pub fn areas(&self) -> &[f64] {
         &self.areas
     }
 
-    /// Orthonormal coefficients of a field of `n_channels` values per face: their squares sum to Σ a·f². O(n).
+    /// Computes the orthonormal coefficients of a field of `n_channels` values per face; their squares sum to Σ a·f².
+    /// O(n).
     ///
     /// # Errors
     /// [`SubdivisionError`] for a wrong number of values, a value that is not finite, and on cancellation.
@@ -130,10 +131,10 @@ impl HaarWavelets {
         Ok(LiftedCoefficients { n_channels, values: field, levels: self.levels.clone(), norms })
     }
 
-    /// Field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).
+    /// Computes the field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).
     ///
     /// # Errors
-    /// [`SubdivisionError`] for a wrong number of coefficients, one that is not finite, and on cancellation.
+    /// [`SubdivisionError`] for a wrong number of coefficients, a coefficient that is not finite, and on cancellation.
     pub fn synthesize(
         &self,
         coefficients: &[f64],

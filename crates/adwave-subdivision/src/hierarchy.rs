@@ -9,14 +9,15 @@ use adwave::shape::{Mesh, Polygons};
 /// Number of faces between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 16;
 
-/// Greatest number of levels: 4¹⁶ faces are more than indices can number.
+/// Largest number of levels: 4¹⁶ faces are more than indices can number.
 const MAX_LEVELS: usize = 16;
 
-/// Levels, parents and coarse meshes of a mesh with subdivision connectivity, in any order of vertices and faces.
+/// Levels, parents and coarse meshes of a mesh with subdivision connectivity; vertices and faces may have any order.
 ///
-/// Level 0 is the mesh. On the next level each face stands for four, and each vertex is one of the finer level; the others are
-/// midpoints of coarse edges. The vertices of level k ≥ 1 are the first ones of every finer level from 1 on
-/// ([`vertices`](Self::vertices)), so that a field on level k + 1 is the beginning of one on level k.
+/// Level 0 is the mesh. On the next level each face represents four faces, and each vertex is a vertex of the finer
+/// level; the other vertices of the finer level are midpoints of coarse edges. The vertices of level k ≥ 1 are the
+/// first vertices of every finer level from 1 on ([`vertices`](Self::vertices)), so that a field on level k + 1 is the
+/// beginning of a field on level k.
 ///
 /// Parts of the mesh may have different numbers of levels; a part without a coarser level stays as it is.
 ///
@@ -34,7 +35,7 @@ const MAX_LEVELS: usize = 16;
 pub struct Hierarchy {
     /// Meshes from fine to coarse, with vertices in the order of the hierarchy.
     pub(crate) levels: Vec<HierarchyLevel>,
-    /// Vertex of the mesh at each place of the order of the hierarchy: first the coarsest level.
+    /// Vertex of the mesh at each place in the order of the hierarchy; the coarsest level comes first.
     pub(crate) order: Vec<u32>,
     parts: Vec<SubdivisionPart>,
 }
@@ -43,18 +44,19 @@ pub struct Hierarchy {
 #[derive(Clone, Debug)]
 pub(crate) struct HierarchyLevel {
     pub(crate) topology: Topology,
-    /// Midpoint of each half-edge on the finer level, or [`NONE`]; empty on level 0.
+    /// Midpoint on the finer level of each half-edge, or [`NONE`]; empty on level 0.
     pub(crate) midpoint_of: Vec<u32>,
-    /// Ends of the edge of each midpoint, which follow the vertices of this level; empty on level 0.
+    /// Ends of the edge of each midpoint; midpoints are numbered after the vertices of this level. Empty on level 0.
     pub(crate) parents: Vec<[u32; 2]>,
-    /// Finer faces in each face: the central one, then the others; [`NONE`] where a face stays. Empty on level 0.
+    /// Finer faces in each face: the central one, then the others; [`NONE`] in the other places if a face is unchanged.
+    /// Empty on level 0.
     pub(crate) children: Vec<[u32; 4]>,
 }
 
 /// A connected part of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SubdivisionPart {
-    /// Its first vertex.
+    /// First vertex of the part.
     pub first: u32,
     /// Number of vertices on level 0.
     pub n_vertices: usize,
@@ -66,7 +68,7 @@ pub struct SubdivisionPart {
     pub obstacle: Obstacle,
 }
 
-/// Connected parts of a mesh by vertex.
+/// Connected parts of a mesh, and the part of each vertex.
 struct Parts {
     of_vertex: Vec<u32>,
     infos: Vec<SubdivisionPart>,
@@ -75,7 +77,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// Parts by union of the corners of each face; the root of each is its first vertex.
+    /// Finds the parts by joining the corners of each face; the root of each part is its first vertex.
     fn new(topology: &Topology, progress: Progress<'_>) -> Result<Self, SubdivisionError> {
         let mut parents: Vec<u32> = (0..topology.n_vertices as u32).collect();
         for faces in topology.triangles.chunks(AT_A_TIME) {
@@ -108,7 +110,7 @@ impl Parts {
     }
 }
 
-/// First vertex of the part that a vertex belongs to so far.
+/// Finds the first vertex of the part that a vertex belongs to so far.
 fn find_root(parents: &mut [u32], v: u32) -> u32 {
     let mut at = v;
     while parents[at as usize] != at {
@@ -119,20 +121,20 @@ fn find_root(parents: &mut [u32], v: u32) -> u32 {
     at
 }
 
-/// A level during the search, with a numbering of its own.
+/// Level during the search, with its own numbering.
 struct SearchLevel {
     topology: Topology,
     coarsening: Coarsening,
-    /// Place of each coarse vertex on the next level.
+    /// Index of each coarse vertex on the next level.
     coarse_rank: Vec<u32>,
 }
 
 impl Hierarchy {
-    /// Finds the levels of a mesh of `n_vertices` vertices and `triangles` in O(n).
+    /// Finds the levels of a mesh with `n_vertices` vertices and the faces `triangles` in O(n).
     ///
     /// # Errors
-    /// [`SubdivisionError`] if the triangles do not form a surface with borders, if no part has a coarser level, with the
-    /// reason, and on cancellation.
+    /// [`SubdivisionError`] if the triangles do not form a surface with borders, if no part has a coarser level (with
+    /// the reason), and on cancellation.
     pub fn new(
         n_vertices: usize,
         triangles: &[[u32; 3]],
@@ -167,7 +169,7 @@ impl Hierarchy {
         Ok(number_levels(finer, topology, &names, parts.infos))
     }
 
-    /// [`new`](Self::new) for the triangles of a mesh.
+    /// Finds the levels of a mesh whose faces are triangles, like [`new`](Self::new).
     ///
     /// # Errors
     /// As for [`new`](Self::new), and [`SubdivisionError::NotTriangle`] if a face has more or fewer than three corners.
@@ -208,7 +210,7 @@ impl Hierarchy {
         })
     }
 
-    /// Faces of a level, as vertices of that level. Their corners have the order of the finer faces.
+    /// Faces of a level, as vertices of that level. Their corners have the order of the corners of the finer faces.
     ///
     /// # Errors
     /// [`SubdivisionError::Level`] if the level does not exist.
@@ -221,8 +223,8 @@ impl Hierarchy {
         })
     }
 
-    /// Parents of each vertex of a level below the coarsest, as vertices of the next level: the ends of the edge of a
-    /// midpoint, or a vertex that stays, twice.
+    /// Parents of each vertex of a level finer than the coarsest, as vertices of the next level: the ends of the edge
+    /// of a midpoint, or twice the vertex itself if it remains.
     ///
     /// # Errors
     /// [`SubdivisionError::Level`] if there is no next level.
@@ -243,7 +245,7 @@ impl Hierarchy {
         Ok(in_mesh)
     }
 
-    /// Connected parts of the mesh with their numbers of levels, by first vertex.
+    /// Connected parts of the mesh with their numbers of levels, in the order of their first vertices.
     pub fn parts(&self) -> &[SubdivisionPart] {
         &self.parts
     }
@@ -257,7 +259,7 @@ impl Hierarchy {
     }
 }
 
-/// Triangles of faces.
+/// Returns the triangles of faces that have three corners each.
 ///
 /// # Errors
 /// [`SubdivisionError::NotTriangle`] for the first face with another number of corners.
@@ -268,7 +270,7 @@ pub fn triangles_of(faces: &Polygons) -> Result<&[[u32; 3]], SubdivisionError> {
     Ok(faces.triangles().unwrap_or_default())
 }
 
-/// The next level of all active parts, its mesh, and the place of each vertex on it; `None` if no part has one.
+/// Finds the next level of all active parts, its mesh, and the index of each vertex on it; `None` if no part has one.
 fn coarsen(
     topology: &Topology,
     names: &[u32],
@@ -332,7 +334,7 @@ fn coarsen(
 }
 
 impl Obstacle {
-    /// The reason with its vertex as it is called in the mesh.
+    /// Returns the reason with the vertex of the level replaced by that of the mesh.
     fn renamed(self, names: &[u32]) -> Self {
         let name = |vertex: u32| names[vertex as usize];
         match self {
@@ -392,7 +394,7 @@ fn number_levels(
 }
 
 impl Topology {
-    /// The topology with vertex v called `places[v]`.
+    /// Returns the topology with vertex v renamed to `places[v]`.
     fn renumbered(self, places: &[u32]) -> Self {
         let mut starts = vec![NONE; self.n_vertices];
         let mut n_faces_at = vec![0; self.n_vertices];

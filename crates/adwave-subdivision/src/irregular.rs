@@ -1,9 +1,10 @@
-//! A pyramid for any mesh of triangles: on each level, vertices without a common edge are removed.
+//! Pyramid for any triangle mesh: on each level, vertices without a common edge are removed.
 //!
-//! A removed vertex is predicted from its ring by mean values (`floater2003`) after the ring was laid out in the plane with its
-//! lengths and with its angles scaled to a full turn (`duchamp1997`). It merges with the neighbor that gives the best
-//! triangles there. Vertices are tried in the order of their areas, so that all regions thin out together. A vertex on
-//! a border is predicted from its two neighbors along it; vertices at which the surface is no manifold stay.
+//! A removed vertex is predicted from its ring by mean values (`floater2003`). Before that, the ring is laid out in the
+//! plane with its lengths, and with its angles scaled to a full turn (`duchamp1997`). The vertex merges with the
+//! neighbor that gives the best triangles there. Vertices are tried in the order of their areas, so that all regions
+//! thin out together. A vertex on a border is predicted from its two neighbors along the border. Vertices at which the
+//! surface is not a manifold remain.
 //!
 //! Another pyramid for the same purpose is that of `guskov1999`.
 
@@ -14,35 +15,37 @@ use adwave::{Cancelled, Progress};
 use rayon::slice::ParallelSliceMut;
 use std::f64::consts::{PI, TAU};
 
-/// Number of vertices below which no further level is made.
+/// Number of vertices below which no further level is created.
 const LEAST_VERTICES: usize = 32;
 
-/// A level must remove at least one in this many vertices.
+/// Inverse of the share of the vertices that a level must remove.
 const LEAST_PROGRESS: usize = 50;
 
-/// Number of neighbors above which a vertex is not removed on this level.
+/// Number of faces at a vertex above which the vertex is not removed on this level.
 const MAX_NEIGHBORS: usize = 16;
 
-/// Number of faces of a vertex above which no other merges with it.
+/// Number of faces at a vertex above which no other vertex merges with it.
 const MAX_TARGET_FACES: usize = 64;
 
-/// Greatest angle between two neighbors of a vertex that is removed, after scaling.
+/// Largest angle between two successive neighbors of a removed vertex, in radians, after scaling.
 const MAX_ANGLE: f64 = 0.97 * PI;
 
-/// Least quality of a new triangle in the plane: 4·√3·area divided by the sum of the squares of its sides, 1 for an equilateral one.
+/// Least quality of a new triangle in the plane: 4·√3·area divided by the sum of the squares of its sides, which is 1
+/// for an equilateral triangle.
 const LEAST_QUALITY: f64 = 0.02;
 
 /// Number of vertices between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 10;
 
 impl LiftedWavelets {
-    /// Wavelets of any mesh of triangles, for masses of its vertices; [`Family::Irregular`].
+    /// Prepares the wavelets of any triangle mesh, for masses of its vertices; [`Family::Irregular`].
     ///
-    /// Positions (model units) only decide which vertices are removed and how they are predicted. O(n log n).
+    /// The positions, in model units, only decide on the vertices that are removed and on their predictions. O(n log
+    /// n).
     ///
     /// # Errors
-    /// [`SubdivisionError`] for positions or masses that do not fit, for a mesh of which no vertex can be removed, and on
-    /// cancellation.
+    /// [`SubdivisionError`] for positions or masses that do not fit, for a mesh from which no vertex can be removed,
+    /// and on cancellation.
     pub fn new_irregular(
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -100,7 +103,7 @@ impl LiftedWavelets {
 /// Vertices removed on one level, with the weights of their neighbors as vertices of the mesh.
 struct Round {
     removed: Vec<u32>,
-    /// Number of neighbors of each.
+    /// Number of predicting neighbors of each removed vertex.
     counts: Vec<usize>,
     entries: Vec<Entry>,
 }
@@ -128,23 +131,23 @@ impl Round {
     }
 }
 
-/// Triangles that lose vertices.
+/// Triangle mesh from which vertices are removed.
 struct DynamicMesh<'a> {
     points: &'a [[f64; 3]],
     triangles: Vec<[u32; 3]>,
-    /// Triangles at each vertex; some may be gone.
+    /// Triangles at each vertex; some may be removed.
     faces_at: Vec<Vec<u32>>,
     is_gone: Vec<bool>,
     is_removed: Vec<bool>,
 }
 
-/// Neighbors of a vertex in their order, closed or from border to border.
+/// Neighbors of a vertex in their order around it, closed or from border to border.
 struct Fan {
     ring: Vec<u32>,
     is_closed: bool,
 }
 
-/// A ring in the plane around a vertex at the origin.
+/// Ring in the plane around a vertex at the origin.
 struct FlatRing {
     points: Vec<[f64; 2]>,
     radii: Vec<f64>,
@@ -152,7 +155,7 @@ struct FlatRing {
 }
 
 impl<'a> DynamicMesh<'a> {
-    /// Triangles with three different corners.
+    /// Creates the mesh of the triangles with three different corners.
     fn new(
         points: &'a [[f64; 3]],
         triangles: &[[u32; 3]],
@@ -173,7 +176,8 @@ impl<'a> DynamicMesh<'a> {
         Ok(Self { points, triangles: proper, faces_at, is_gone, is_removed })
     }
 
-    /// Removes vertices without a common edge, those of small areas first, and hands their areas to their neighbors.
+    /// Removes vertices without a common edge, those of small areas first, and distributes their areas to their
+    /// neighbors.
     fn thin(&mut self, left: &[u32], areas: &mut [f64], progress: Progress<'_>) -> Result<Round, Cancelled> {
         let mut candidates = left.to_vec();
         candidates
@@ -201,7 +205,7 @@ impl<'a> DynamicMesh<'a> {
         Ok(round)
     }
 
-    /// The ring of a vertex; `None` unless its faces form one fan of a moderate size.
+    /// Returns the ring of a vertex; `None` unless its faces form one fan of at most [`MAX_NEIGHBORS`] faces.
     fn fan(&mut self, v: u32) -> Option<Fan> {
         let (is_gone, triangles) = (&self.is_gone, &self.triangles);
         let faces = &mut self.faces_at[v as usize];
@@ -266,7 +270,7 @@ impl<'a> DynamicMesh<'a> {
         x.hypot(y).hypot(z)
     }
 
-    /// The ring in the plane, with its lengths, and with its angles scaled to a full turn.
+    /// Lays the ring out in the plane, with its lengths, and with its angles scaled to a full turn.
     fn flatten(&self, v: u32, fan: &Fan) -> Option<FlatRing> {
         let n = fan.ring.len();
         let radii: Vec<f64> = fan.ring.iter().map(|&w| self.length(v, w)).collect();
@@ -302,7 +306,8 @@ impl<'a> DynamicMesh<'a> {
         Some(FlatRing { points, radii, angles })
     }
 
-    /// The neighbor whose triangles with the rest of the ring have the best least quality in the plane.
+    /// Finds the neighbor whose triangles with the rest of the ring have the largest minimum of the quality in the
+    /// plane.
     fn best_target(&self, fan: &Fan, flat: &FlatRing) -> Option<usize> {
         let mut candidates: Vec<(f64, usize)> = (0..fan.ring.len())
             .map(|target| (flat.least_quality(target), target))
@@ -312,8 +317,8 @@ impl<'a> DynamicMesh<'a> {
         candidates.into_iter().map(|(_, target)| target).find(|&target| self.may_merge(fan, target))
     }
 
-    /// True if the merge with a neighbor keeps the surface: both have no common neighbors but those of their faces
-    /// (`dey1999`), and no triangle appears twice.
+    /// True if the merge with a neighbor keeps the surface: both have no common neighbors other than those of their
+    /// common faces (`dey1999`), and no triangle appears twice.
     fn may_merge(&self, fan: &Fan, target: usize) -> bool {
         let (u, n) = (fan.ring[target], fan.ring.len());
         if self.faces_at[u as usize].len() > MAX_TARGET_FACES {
@@ -355,7 +360,7 @@ impl<'a> DynamicMesh<'a> {
 }
 
 impl FlatRing {
-    /// Least quality of the triangles that remain after a merge with neighbor `target`; 0 if one is turned over.
+    /// Least quality of the triangles that remain after a merge with neighbor `target`; 0 if a triangle is turned over.
     fn least_quality(&self, target: usize) -> f64 {
         let n = self.points.len();
         let p = self.points[target];

@@ -1,15 +1,15 @@
 //! Subdivision hierarchies of meshes, and wavelets by lifting.
 //!
-//! A mesh that was made by cutting triangles into four has exact coarser levels, which [`Hierarchy`] finds whatever the order of
-//! its vertices and faces. [`LiftedWavelets`] split a field at its vertices into as many coefficients as it has values, with
-//! one of the families of [`Family`]; [`HaarWavelets`] do so for a field at its faces. A mesh without levels gets them by
-//! [`LiftedWavelets::new_irregular`].
+//! A mesh that was made by cutting triangles into four has exact coarser levels, which [`Hierarchy`] finds for any
+//! order of its vertices and faces. [`LiftedWavelets`] split a field at the vertices into as many coefficients as it
+//! has values, with one of the families of [`Family`]; [`HaarWavelets`] do so for a field at the faces.
+//! [`LiftedWavelets::new_irregular`] makes levels for any other mesh.
 //!
 //! | module | content |
 //! |---|---|
 //! | `topology` | the other side of each edge, and walks around vertices |
 //! | `coarsening` | coarse vertices and midpoints of one level |
-//! | `hierarchy` | all levels, with an order of the vertices in which every level comes first |
+//! | `hierarchy` | all levels, with an order of the vertices in which every coarser level comes first |
 //! | `refine`, `weld` | subdivision of triangles; vertices at equal positions |
 //! | `stencils` | rules of linear, butterfly and Loop subdivision |
 //! | `even_solve` | the inverse of the rule that Loop subdivision has for coarse vertices |
@@ -17,8 +17,8 @@
 //! | `lifting`, `prediction` | steps, analysis and synthesis |
 //! | `irregular` | levels of any mesh |
 //! | `haar` | wavelets on faces |
-//! | `coefficients` | the largest coefficients |
-//! | `riesz` | stability, measured |
+//! | `coefficients` | selection of the largest coefficients |
+//! | `riesz` | measured stability |
 
 mod coarsening;
 mod coefficients;

@@ -9,22 +9,22 @@ use crate::{Family, Hierarchy, LiftedCoefficients, SubdivisionError};
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
-/// Share of the mean mass that every vertex has at least, so that each update exists.
+/// Least mass of a vertex as a share of the mean mass, so that each update exists.
 const LEAST_MASS: f64 = 1e-9;
 
-/// Rings of the parents that the update of a Loop wavelet may change; with one ring the condition of the basis is five times as
-/// large.
+/// Number of rings around the parents that the update of a Loop wavelet may change; with one ring the condition of the
+/// basis is five times as large.
 const LOOP_RINGS: usize = 2;
 
-/// Greatest number of neighbors of a coarse vertex: the products of their functions are as many as its square.
+/// Largest number of neighbors of a coarse vertex; the number of products of their functions is its square.
 const MAX_NEIGHBORS: usize = 1000;
 
 /// Wavelets of a mesh, prepared for many fields.
 ///
-/// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices, for
-/// [`Family::Loop`] those from which subdivision makes the values of f there. P is the subdivision rule. U has the least
-/// squares solution on the rings of the parents of each midpoint, for Loop on two rings (see the module `update`), so that every wavelet has
-/// integral 0: the mean of a field stays on all levels.
+/// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices; for
+/// [`Family::Loop`], c are the values from which subdivision makes the values of f there. P is the subdivision rule. U
+/// is the least squares solution on the rings of the parents of each midpoint, on two rings for Loop (see the module
+/// `update`). Every wavelet has integral 0, so that the mean of a field is the same on all levels.
 ///
 /// Each vertex has one coefficient: a detail of the level at which it is a midpoint, or a value on the coarsest level.
 #[derive(Clone, Debug)]
@@ -34,11 +34,12 @@ pub struct LiftedWavelets {
     order: Vec<u32>,
     /// Steps from fine to coarse.
     steps: Vec<LiftingStep>,
-    /// Masses of the mesh in the order of the mesh.
+    /// Masses of the vertices in the order of the mesh, with sum 1.
     masses: Vec<f64>,
-    /// Level of each vertex of the mesh, 1 for the finest details; one more than the number of levels for the coarsest values.
+    /// Level of each vertex of the mesh: 1 for the finest details, one more than the number of levels for the coarsest
+    /// values.
     levels: Vec<u32>,
-    /// Norm of the function of each coefficient.
+    /// Norm of the basis function of each coefficient, in the order of the mesh.
     norms: Vec<f64>,
 }
 
@@ -62,13 +63,13 @@ pub(crate) struct StepRule {
 }
 
 impl LiftedWavelets {
-    /// Wavelets of a hierarchy, for masses of the vertices (areas of any surface with these faces).
+    /// Prepares the wavelets of a hierarchy, for masses of the vertices (areas of any surface with these faces).
     ///
-    /// A mass below 10⁻⁹ of the mean counts as that much. O(n); about 1 µs per vertex and thread.
+    /// A mass below 10⁻⁹ of the mean is raised to that value. O(n); about 1 µs per vertex and thread.
     ///
     /// # Errors
-    /// [`SubdivisionError`] for masses of another number, negative or not finite, for a family that has other elements than
-    /// vertices or no hierarchy, and on cancellation.
+    /// [`SubdivisionError`] if the number of masses is wrong, if a mass is negative or not finite, for [`Family::Haar`]
+    /// and [`Family::Irregular`], for a coarse vertex with too many neighbors, and on cancellation.
     pub fn new(
         hierarchy: &Hierarchy,
         family: Family,
@@ -103,7 +104,7 @@ impl LiftedWavelets {
         Self::from_rules(family, hierarchy.order.clone(), rules, masses, progress)
     }
 
-    /// Wavelets of steps from fine to coarse in an order of the vertices.
+    /// Prepares the wavelets of steps from fine to coarse, for an order of the vertices.
     pub(crate) fn from_rules(
         family: Family,
         order: Vec<u32>,
@@ -167,24 +168,24 @@ impl LiftedWavelets {
         &self.order
     }
 
-    /// Masses of the vertices with which the mean stays.
+    /// Masses of the vertices for which the mean of a field is the same on all levels, in the order of the mesh.
     pub fn masses(&self) -> &[f64] {
         &self.masses
     }
 
-    /// Level of the coefficient of each vertex: 1 for the finest details, one more than the number of levels for values of the
-    /// coarsest level.
+    /// Level of the coefficient of each vertex: 1 for the finest details, one more than the number of levels for values
+    /// of the coarsest level.
     pub fn levels(&self) -> &[u32] {
         &self.levels
     }
 
-    /// Norm of the function of each coefficient: a coefficient times its norm is the error that remains without it, if all were
-    /// orthogonal.
+    /// Norm of the basis function of each coefficient. If the functions were orthogonal, a coefficient times its norm
+    /// would be the error without this coefficient.
     pub fn norms(&self) -> &[f64] {
         &self.norms
     }
 
-    /// Coefficients of a field of `n_channels` values per vertex, row-major. O(n).
+    /// Computes the coefficients of a field of `n_channels` values per vertex, row-major. O(n).
     ///
     /// # Errors
     /// [`SubdivisionError`] for a wrong number of values, a value that is not finite, and on cancellation.
@@ -203,10 +204,10 @@ impl LiftedWavelets {
         Ok(LiftedCoefficients { n_channels, values, levels: self.levels.clone(), norms: self.norms.clone() })
     }
 
-    /// Field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).
+    /// Computes the field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).
     ///
     /// # Errors
-    /// [`SubdivisionError`] for a wrong number of coefficients, one that is not finite, and on cancellation.
+    /// [`SubdivisionError`] for a wrong number of coefficients, a coefficient that is not finite, and on cancellation.
     pub fn synthesize(
         &self,
         coefficients: &[f64],
@@ -221,7 +222,8 @@ impl LiftedWavelets {
         Ok(self.scatter(&field, n_channels))
     }
 
-    /// Field on a coarser level with the same mean, in the order of [`order`](Self::order); on level 0 the field.
+    /// Computes the field on a coarser level with the same mean, in the order of [`order`](Self::order); on level 0 the
+    /// field itself.
     ///
     /// # Errors
     /// As for [`analyze`](Self::analyze), and [`SubdivisionError::Level`] for a level that does not exist.
@@ -245,7 +247,7 @@ impl LiftedWavelets {
         Ok(field)
     }
 
-    /// Field on the mesh that a field on a coarser level stands for: subdivision without details.
+    /// Computes the field on the mesh that a field on a coarser level represents: subdivision without details.
     ///
     /// # Errors
     /// As for [`synthesize`](Self::synthesize), and [`SubdivisionError::Level`] for a level that does not exist.
@@ -276,7 +278,7 @@ impl LiftedWavelets {
         Ok(())
     }
 
-    /// Values in the order of the levels.
+    /// Sorts values of the mesh into the order of the levels, `d` channels each.
     fn gather(&self, values: &[f64], d: usize) -> Vec<f64> {
         if d == 1 {
             return self.order.iter().map(|&v| values[v as usize]).collect();
@@ -284,7 +286,7 @@ impl LiftedWavelets {
         self.order.iter().flat_map(|&v| values[v as usize * d..][..d].iter().copied()).collect()
     }
 
-    /// Values in the order of the mesh.
+    /// Sorts values of the levels into the order of the mesh, `d` channels each.
     fn scatter(&self, field: &[f64], d: usize) -> Vec<f64> {
         let mut values = vec![0.0; field.len()];
         for (&v, row) in self.order.iter().zip(field.chunks_exact(d)) {
@@ -316,7 +318,7 @@ impl LiftingStep {
     }
 }
 
-/// Masses with a least value; all equal if all are 0.
+/// Checks masses, raises them to a least value, and scales their sum to 1; the results are equal if all masses are 0.
 pub(crate) fn usable_masses(
     masses: &[f64],
     expected: usize,
@@ -342,7 +344,7 @@ pub(crate) fn usable_masses(
     Ok(relative.into_iter().map(|m| m.max(least) / total).collect())
 }
 
-/// Checks the number and the values of a field.
+/// Checks the number of values and that they are finite.
 pub(crate) fn check_field(
     values: &[f64],
     n_elements: usize,

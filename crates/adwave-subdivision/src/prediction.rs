@@ -1,19 +1,20 @@
-//! Predictions of midpoints, with the eight weights of the regular butterfly left out: a third of the memory to read.
+//! Predictions of midpoints that do not store the eight weights of the regular butterfly, and so read a third of the
+//! memory.
 
 use crate::rows::{RowBuilder, add_product, visit_rows};
 use crate::topology::NONE;
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
-/// Weights of the regular butterfly: of the ends of the edge, of the opposite corners, of the corners beyond.
+/// Weights of the regular butterfly: of the ends of the edge, of the opposite corners, and of the corners beyond.
 const WEIGHTS: [f64; 8] = [0.5, 0.5, 0.125, 0.125, -0.0625, -0.0625, -0.0625, -0.0625];
 
-/// Rows of predictions.
+/// Prediction matrix with compact regular rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Prediction {
     /// Columns of the regular rows in the order of [`WEIGHTS`]; [`NONE`] in other rows. Empty if no row is regular.
     regular: Vec<[u32; 8]>,
-    /// The other rows.
+    /// Rows that are not regular; the regular ones are empty.
     others: CompressedRows<f64>,
 }
 
@@ -65,7 +66,7 @@ impl Prediction {
     }
 }
 
-/// Columns of a regular row by their weights; [`NONE`] for another row.
+/// Columns of a regular row in the order of [`WEIGHTS`]; [`NONE`] for any other row.
 fn regular_columns(rows: &CompressedRows<f64>, i: usize) -> [u32; 8] {
     let (columns, values) = rows.row(i);
     if columns.len() != WEIGHTS.len() {

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-/// Triangles, each cut into four at the midpoints of its edges.
+/// Triangle mesh, each triangle of which was cut into four at the midpoints of its edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SubdividedMesh {
-    /// Number of vertices: those of the mesh, then one for each edge.
+    /// Number of vertices: those of the mesh come first, then one for each edge.
     pub n_vertices: usize,
-    /// Four triangles for each one: at its corners, then in its middle.
+    /// Four triangles for each one: those at its corners, then the one in its middle.
     pub triangles: Vec<[u32; 3]>,
     /// Ends of the edge of each new vertex.
     pub parents: Vec<[u32; 2]>,

@@ -1,35 +1,36 @@
-//! Stability of a wavelet basis, measured.
+//! Measurement of the stability of a wavelet basis.
 
 use crate::{LiftedWavelets, SubdivisionError};
 use adwave::Progress;
 
-/// Greatest number of vertices: two dense matrices of 128 MB.
+/// Largest number of vertices, for which two dense matrices take 128 MB each.
 const MAX_VERTICES: usize = 4096;
 
 /// Relative change of a bound at which the power iteration ends.
 const ACCURACY: f64 = 1e-9;
 
-/// Greatest number of steps of the power iteration.
+/// Largest number of steps of the power iteration.
 const MAX_STEPS: usize = 5000;
 
 /// Bounds of a Riesz basis: `lower·Σ c_i² ≤ ‖Σ c_i ψ_i/‖ψ_i‖‖² ≤ upper·Σ c_i²`, in the norm Σ m·f².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RieszBounds {
-    /// Greatest lower bound.
+    /// Largest lower bound.
     pub lower: f64,
-    /// Least upper bound.
+    /// Smallest upper bound.
     pub upper: f64,
 }
 
 impl RieszBounds {
-    /// Condition of the basis, `upper/lower`; 1 for an orthogonal one.
+    /// Condition of the basis, `upper/lower`; 1 for an orthogonal basis.
     pub fn condition(&self) -> f64 {
         self.upper / self.lower
     }
 }
 
 impl LiftedWavelets {
-    /// Riesz bounds of the wavelets and the coarsest scaling functions, by power iteration with dense matrices: O(n²) memory.
+    /// Computes the Riesz bounds of the wavelets and the coarsest scaling functions, by power iteration with dense
+    /// matrices. O(n²) memory.
     ///
     /// # Errors
     /// [`SubdivisionError::WrongNumber`] for more than 4096 vertices, and on cancellation.
@@ -71,7 +72,7 @@ impl LiftedWavelets {
     }
 }
 
-/// Square of the greatest singular value of a matrix given by its columns.
+/// Square of the largest singular value of a matrix given by its columns.
 fn greatest_square(columns: &[f64], n: usize, progress: Progress<'_>) -> Result<f64, SubdivisionError> {
     // A start that is orthogonal to no vector of a symmetric shape.
     let mut x: Vec<f64> = (0..n).map(|i| 1.0 + 0.5 * (1.7 * i as f64).sin()).collect();

@@ -4,13 +4,13 @@ use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Number of rows up to which the calling thread works alone, and number that a thread takes at a time.
+/// Number of rows that a thread takes at a time; up to this number the calling thread works alone.
 const AT_A_TIME: usize = 4096;
 
 /// Number of rows of a sparse product that a thread computes at a time.
 const PRODUCT_ROWS: usize = 2048;
 
-/// Sparse rows that are being built one after another, with their entries in the order of the columns.
+/// Builder of sparse rows, one after another, with their entries in the order of the columns.
 #[derive(Debug)]
 pub(crate) struct RowBuilder {
     offsets: Vec<usize>,
@@ -19,7 +19,7 @@ pub(crate) struct RowBuilder {
 }
 
 impl RowBuilder {
-    /// No rows.
+    /// Creates a builder without rows.
     pub(crate) fn new() -> Self {
         Self { offsets: vec![0], columns: Vec::new(), values: Vec::new() }
     }
@@ -39,13 +39,13 @@ impl RowBuilder {
         entries.clear();
     }
 
-    /// Adds an entry to the row at hand, right of those that it has.
+    /// Adds an entry to the current row, to the right of all its entries.
     pub(crate) fn push(&mut self, column: u32, value: f64) {
         self.columns.push(column);
         self.values.push(value);
     }
 
-    /// Ends the row at hand.
+    /// Ends the current row.
     pub(crate) fn end_row(&mut self) {
         self.offsets.push(self.columns.len());
     }
@@ -58,14 +58,14 @@ impl RowBuilder {
         self.values.extend(rows.values);
     }
 
-    /// The rows, with columns below `n_columns`.
+    /// Returns the rows, with columns below `n_columns`.
     pub(crate) fn finish(self, n_columns: usize) -> CompressedRows<f64> {
         CompressedRows::new(self.offsets, self.columns, self.values, n_columns)
             .expect("the entries of each row were added in the order of their columns")
     }
 }
 
-/// The transpose.
+/// Transpose of a matrix.
 pub(crate) fn transpose(rows: &CompressedRows<f64>) -> CompressedRows<f64> {
     let n_columns = rows.n_columns();
     let mut offsets = vec![0_usize; n_columns + 1];
@@ -88,14 +88,14 @@ pub(crate) fn transpose(rows: &CompressedRows<f64>) -> CompressedRows<f64> {
     RowBuilder { offsets, columns, values }.finish(rows.n_rows())
 }
 
-/// The square matrix with the given diagonal.
+/// Square matrix with the given diagonal.
 pub(crate) fn from_diagonal(values: &[f64]) -> CompressedRows<f64> {
     let n = values.len();
     let (offsets, columns) = ((0..=n).collect(), (0..n as u32).collect());
     RowBuilder { offsets, columns, values: values.to_vec() }.finish(n)
 }
 
-/// The product of two matrices.
+/// Product of two matrices.
 pub(crate) fn product(
     left: &CompressedRows<f64>,
     right: &CompressedRows<f64>,
@@ -137,7 +137,8 @@ pub(crate) fn product(
     Ok(all.finish(n_columns))
 }
 
-/// The rows of a symmetric matrix without entries below a share of the root of both diagonal entries.
+/// Returns a symmetric matrix without the entries that are at most `share` times the root of the product of both
+/// diagonal entries.
 pub(crate) fn without_small(matrix: &CompressedRows<f64>, share: f64) -> CompressedRows<f64> {
     let n = matrix.n_rows();
     let roots: Vec<f64> = (0..n).map(|i| matrix.get(i, i).max(0.0).sqrt()).collect();
@@ -184,15 +185,15 @@ pub(crate) fn add_product(
     })
 }
 
-/// An entry of a row that is being built.
+/// Entry of a row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub(crate) column: u32,
     pub(crate) value: f64,
 }
 
-/// Calls `work(first row, rows)` for chunks of the rows of `values`, `d` values each, whose size does not depend on the number
-/// of threads; stops if the call is cancelled.
+/// Calls `work(first row, rows)` for chunks of the rows of `values`, `d` values each; stops if the call is cancelled.
+/// The size of the chunks does not depend on the number of threads.
 pub(crate) fn visit_rows(
     values: &mut [f64],
     d: usize,

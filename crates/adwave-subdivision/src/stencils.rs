@@ -1,4 +1,5 @@
-//! Subdivision rules: weights of the coarse vertices in a midpoint, and of a Loop vertex in itself and its neighbors.
+//! Subdivision rules: weights of the coarse vertices at midpoints, and weights of the neighbors at Loop's coarse
+//! vertices.
 
 use crate::hierarchy::HierarchyLevel;
 use crate::rows::{Entry, RowBuilder};
@@ -6,11 +7,11 @@ use crate::topology::{NONE, Topology};
 use adwave::rows::CompressedRows;
 use std::f64::consts::TAU;
 
-/// Number of neighbors beyond which a vertex is treated as a regular one by butterfly subdivision, and gives no ring to updates:
-/// each of its edges would have as many weights as the vertex has neighbors.
+/// Number of neighbors above which butterfly subdivision treats a vertex as regular, and updates do not extend over its
+/// ring: each of its edges would have as many weights as the vertex has neighbors.
 const MAX_RING: usize = 32;
 
-/// Weights of the coarse vertices in each midpoint for linear subdivision: one half for each end of the edge.
+/// Weights of the coarse vertices at each midpoint for linear subdivision: one half for each end of the edge.
 pub(crate) fn linear(level: &HierarchyLevel) -> CompressedRows<f64> {
     let mut rows = RowBuilder::new();
     let mut entries = Vec::new();
@@ -21,8 +22,8 @@ pub(crate) fn linear(level: &HierarchyLevel) -> CompressedRows<f64> {
     rows.finish(level.topology.n_vertices)
 }
 
-/// Weights of the coarse vertices in each midpoint for Loop subdivision (`loop1987`): 3/8 for the ends of the edge and 1/8 for
-/// the corners opposite it; on a border one half for each end.
+/// Weights of the coarse vertices at each midpoint for Loop subdivision (`loop1987`): 3/8 for the ends of the edge and
+/// 1/8 for the corners opposite the edge; on a border one half for each end.
 pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> CompressedRows<f64> {
     midpoint_rows(level, |topology, half_edge, entries| {
         let ends = topology.ends(half_edge);
@@ -36,11 +37,11 @@ pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> CompressedRows<f64> {
     })
 }
 
-/// Weights of the coarse vertices in each coarse vertex after Loop subdivision, without that of the vertex, which is 1 less
-/// their sum. Vertices of parts that stay have none.
+/// Weights of the neighbors at each coarse vertex after Loop subdivision. The weight of the vertex itself is 1 minus
+/// their sum. Rows of vertices in parts without a coarser level are empty.
 ///
-/// Inside: β = (5/8 − (3/8 + cos(2π/n)/4)²)/n for each of the n neighbors (`loop1987`); on a border 1/8 for each neighbor along
-/// it.
+/// Inside: β = (5/8 − (3/8 + cos(2π/n)/4)²)/n for each of the n neighbors (`loop1987`); on a border 1/8 for each
+/// neighbor along the border.
 pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> CompressedRows<f64> {
     let topology = &level.topology;
     let mut is_active = vec![false; topology.n_vertices];
@@ -65,12 +66,13 @@ pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> CompressedRows<f64> {
     rows.finish(level.topology.n_vertices)
 }
 
-/// Weights of the coarse vertices in each midpoint for modified butterfly subdivision (`zorin1996`).
+/// Weights of the coarse vertices at each midpoint for modified butterfly subdivision (`zorin1996`).
 ///
-/// If both ends are regular: 1/2 for the ends, 1/8 for the opposite corners, −1/16 for the corners of the four faces beyond. A
-/// corner that is missing beyond a border is the reflection of the corner opposite it. At an irregular end inside the surface
-/// the weights are those of its ring, and the mean of both if both ends are irregular. On a border: 9/16 for the ends and −1/16
-/// for the next vertices along it; beyond an end without four neighbors, a corner, stands the reflection of the other end.
+/// - Both ends regular: 1/2 for the ends, 1/8 for the opposite corners, −1/16 for the corners of the four faces beyond.
+///   A corner that is missing beyond a border is replaced by the reflection of the corner opposite it.
+/// - An irregular end inside the surface: the weights of its ring; with two irregular ends, the mean of both.
+/// - On a border: 9/16 for the ends and −1/16 for the next vertices along the border. Beyond an end without four
+///   neighbors, a corner, the next vertex is replaced by the reflection of the other end.
 pub(crate) fn butterfly(level: &HierarchyLevel) -> CompressedRows<f64> {
     midpoint_rows(level, |topology, half_edge, entries| {
         let ends = topology.ends(half_edge);
@@ -114,7 +116,7 @@ pub(crate) fn butterfly(level: &HierarchyLevel) -> CompressedRows<f64> {
     })
 }
 
-/// The eight weights of the butterfly (`dyn1990`).
+/// Appends the eight weights of the butterfly (`dyn1990`).
 fn push_regular(topology: &Topology, half_edge: u32, entries: &mut Vec<Entry>) {
     let ends = topology.ends(half_edge);
     entries.extend(ends.map(|column| Entry { column, value: 0.5 }));
@@ -136,7 +138,7 @@ fn push_regular(topology: &Topology, half_edge: u32, entries: &mut Vec<Entry>) {
     }
 }
 
-/// The weights of the ring of an irregular end.
+/// Appends the weights of the ring of an irregular end.
 fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut Vec<Entry>) {
     let n = topology.n_neighbors(end);
     entries.push(Entry { column: end, value: 0.75 });
@@ -154,7 +156,7 @@ fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut V
     }
 }
 
-/// Rows of the midpoints in their order, each from a half-edge of the coarse mesh.
+/// Builds the rows of the midpoints in their order, each from a half-edge of the coarse mesh.
 fn midpoint_rows(
     level: &HierarchyLevel,
     push: impl Fn(&Topology, u32, &mut Vec<Entry>),

@@ -1,12 +1,12 @@
-//! Triangles with the other side of each edge, for meshes whose edges have at most two faces.
+//! Triangles and the partner of each half-edge, for meshes whose edges have at most two faces.
 //!
 //! Half-edge 3f + k runs from corner k of face f to the next corner. Faces may have any orientation: walks around a
-//! vertex go from edge to edge and never ask which side is the front.
+//! vertex go from edge to edge and do not depend on the front side.
 
 use crate::SubdivisionError;
 use adwave::Progress;
 
-/// Partner of a half-edge on a border, and any other index that does not exist.
+/// Marker of an index that does not exist, such as the partner of a half-edge on a border.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Number of half-edges between two checks for cancellation.
@@ -17,20 +17,20 @@ const AT_A_TIME: usize = 1 << 16;
 pub(crate) struct Topology {
     pub(crate) n_vertices: usize,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The half-edge on the other side of each half-edge, or [`NONE`].
+    /// Partner of each half-edge, on the other side of its edge, or [`NONE`].
     pub(crate) twins: Vec<u32>,
-    /// A half-edge at each vertex, one without a partner if there is one; [`NONE`] without faces.
+    /// One half-edge at each vertex, without a partner if there is one such; [`NONE`] for a vertex without faces.
     pub(crate) starts: Vec<u32>,
     /// Number of faces at each vertex.
     pub(crate) n_faces_at: Vec<u32>,
 }
 
-/// A step of a walk around a vertex: the edge just reached.
+/// Edge reached by a step of a walk around a vertex.
 #[derive(Clone, Copy)]
 pub(crate) struct Spoke {
     /// Half-edge of the face that was crossed.
     pub(crate) half_edge: u32,
-    /// The other end of the edge.
+    /// Other end of the edge.
     pub(crate) neighbor: u32,
 }
 
@@ -95,7 +95,7 @@ impl Topology {
         self.triangles[half_edge as usize / 3][(half_edge as usize + 2) % 3]
     }
 
-    /// True if an edge at the vertex has one face.
+    /// True if an edge at the vertex has only one face.
     pub(crate) fn is_border(&self, v: u32) -> bool {
         let start = self.starts[v as usize];
         start != NONE && self.twins[start as usize] == NONE
@@ -106,7 +106,7 @@ impl Topology {
         self.n_faces_at[v as usize] as usize + usize::from(self.is_border(v))
     }
 
-    /// The other edge at `v` of the face of a half-edge at `v`.
+    /// Returns the other edge at `v` in the face of a half-edge at `v`.
     pub(crate) fn turn(&self, half_edge: u32, v: u32) -> Spoke {
         let (f, k) = (half_edge / 3, half_edge % 3);
         let t = self.triangles[f as usize];
@@ -130,20 +130,21 @@ impl Topology {
         Some(spoke.neighbor)
     }
 
-    /// The edges at a vertex in their order around it, from border to border if the vertex lies on one.
+    /// Iterates over the edges at a vertex in their order around it, from border to border if the vertex lies on a
+    /// border.
     pub(crate) fn ring(&self, v: u32) -> Ring<'_> {
         let start = self.starts[v as usize];
         Ring { topology: self, v, start, at: start, is_first: true, left: self.n_faces_at[v as usize] + 1 }
     }
 
-    /// The vertex across an edge from a face: third corner of the other face.
+    /// Third corner of the face on the other side of a half-edge; `None` on a border.
     pub(crate) fn apex_across(&self, half_edge: u32) -> Option<u32> {
         let twin = self.twins[half_edge as usize];
         (twin != NONE).then(|| self.apex(twin))
     }
 }
 
-/// Partner of each half-edge; `ends` has the end of the bucket of each smaller vertex.
+/// Finds the partner of each half-edge; `offsets` has the start of the bucket of the smaller end of each edge.
 fn match_half_edges(
     triangles: &[[u32; 3]],
     offsets: &[u32],
@@ -223,7 +224,7 @@ impl Iterator for Ring<'_> {
 }
 
 impl Topology {
-    /// The edges at a vertex inside the surface, beginning with that of a half-edge.
+    /// Iterates over the edges at a vertex inside the surface, beginning with the edge of a half-edge.
     pub(crate) fn ring_from(&self, v: u32, half_edge: u32) -> Ring<'_> {
         let left = self.n_faces_at[v as usize] + 1;
         Ring { topology: self, v, start: half_edge, at: half_edge, is_first: true, left }

@@ -1,16 +1,17 @@
-//! Updates of a lifting step: the wavelet of a midpoint loses as much of the coarse scaling functions around it as makes its
-//! integral 0 and its norm least.
+//! Updates of a lifting step: a combination of the coarse scaling functions around a midpoint is subtracted from its
+//! wavelet, so that the integral is 0 and the norm is least.
 //!
-//! A step has the synthesis `f = S·c` at d = 0, where the rows of S at midpoints are the prediction. The wavelet of midpoint i is
-//! `ψ_i = δ_i − Σ_k u_k φ_k` over the coarse vertices k of its support, with φ_k the columns of S. The masses of the coarse
-//! vertices are the integrals of the φ_k, `m_c = Sᵀ m_f`, and their inner products on the mesh are `G = Sᵀ M S`, where M are those
-//! of the finer level, at first the masses of the mesh. The weights solve
+//! A step has the synthesis `f = S·c` at d = 0, where the rows of S at midpoints are the prediction. The wavelet of
+//! midpoint i is `ψ_i = δ_i − Σ_k u_k φ_k` over the coarse vertices k of its support, with φ_k the columns of S. The
+//! masses of the coarse vertices are the integrals of the φ_k, `m_c = Sᵀ m_f`, and their inner products on the mesh are
+//! `G = Sᵀ M S`. Here M are the inner products of the finer level, at first the masses of the mesh. The weights solve
 //!
 //! ```text
 //! G u = Sᵀ M δ_i − μ m_c,     Σ_k u_k m_c(k) = m_f(i)
 //! ```
 //!
-//! Inner products below a share of their norms are left out: this changes the weights a little, but not the integral.
+//! Inner products that are small relative to the norms are left out: this changes the weights a little, but not the
+//! integral.
 
 use crate::even_solve::EvenRule;
 use crate::rows::{Entry, RowBuilder, product, transpose, without_small};
@@ -27,7 +28,8 @@ const DROP: f64 = 1e-4;
 /// Share of the diagonal that is added to it, so that the smallest supports can be solved.
 const RIDGE: f64 = 1e-12;
 
-/// Synthesis of one step without details: rows at the coarse vertices (the identity if there is no rule) and at the midpoints.
+/// Synthesis of one step without details: rows at the coarse vertices (the identity if there is no rule) and at the
+/// midpoints.
 pub(crate) struct Synthesis<'a> {
     pub(crate) even: Option<&'a EvenRule>,
     pub(crate) prediction: &'a CompressedRows<f64>,
@@ -36,7 +38,7 @@ pub(crate) struct Synthesis<'a> {
 
 /// Result of the least squares.
 pub(crate) struct Update {
-    /// Weights by coarse vertex, one column for each midpoint.
+    /// Weights of each coarse vertex, with one column for each midpoint.
     pub(crate) rows: CompressedRows<f64>,
     /// Masses of the coarse vertices.
     pub(crate) masses: Vec<f64>,
@@ -47,7 +49,7 @@ pub(crate) struct Update {
 }
 
 impl Synthesis<'_> {
-    /// All rows of S: those of the coarse vertices, then those of the midpoints.
+    /// Returns all rows of S: those of the coarse vertices, then those of the midpoints.
     fn rows(&self) -> CompressedRows<f64> {
         let mut rows = RowBuilder::new();
         let mut entries = Vec::new();
@@ -72,7 +74,8 @@ impl Synthesis<'_> {
         rows.finish(self.n_coarse)
     }
 
-    /// Least squares on the support of each midpoint, for masses and inner products of the finer level.
+    /// Computes the least squares update on the support of each midpoint, for masses and inner products of the finer
+    /// level.
     pub(crate) fn update(
         &self,
         supports: &CompressedRows<f64>,
@@ -122,15 +125,16 @@ impl Synthesis<'_> {
     }
 }
 
-/// Inner products of coarse functions with each other and with fine ones, and the integrals of the coarse ones.
+/// Inner products of coarse functions with each other and with fine functions, and the integrals of the coarse
+/// functions.
 struct GramMatrices<'a> {
     products: &'a CompressedRows<f64>,
-    /// By fine function, one column for each coarse one.
+    /// Inner products with fine functions, a row for each fine function and a column for each coarse function.
     by_fine: &'a CompressedRows<f64>,
     masses: &'a [f64],
 }
 
-/// A scaling function of the finer level with its integral and the square of its norm.
+/// Scaling function of the finer level with its integral and the square of its norm.
 struct FineFunction {
     index: usize,
     mass: f64,
@@ -143,12 +147,12 @@ struct Solved {
     norm: f64,
 }
 
-/// Least squares of one midpoint after another, with memory that is used again.
+/// Least squares problem of one midpoint after another, which reuses its memory.
 struct LocalSystem<'a> {
     gram: &'a GramMatrices<'a>,
-    /// Place of a coarse vertex in the support at hand, or `usize::MAX`.
+    /// Place of each coarse vertex in the current support, or `usize::MAX`.
     places: Vec<usize>,
-    /// Inner products on the support at hand, and their Cholesky factor.
+    /// Inner products on the current support; their Cholesky factor is `factor`.
     products: Vec<f64>,
     factor: Vec<f64>,
 }
@@ -159,7 +163,7 @@ impl<'a> LocalSystem<'a> {
         Self { gram, places, products: Vec::new(), factor: Vec::new() }
     }
 
-    /// Weights of a fine function on its support.
+    /// Computes the weights of a fine function on its support.
     fn solve(&mut self, fine: &FineFunction, support: &[u32]) -> Solved {
         let size = support.len();
         for (place, &k) in support.iter().enumerate() {
@@ -197,7 +201,8 @@ impl<'a> LocalSystem<'a> {
         Solved { weights, norm: square.max(0.0).sqrt() }
     }
 
-    /// The weights of least norm with the given integral; by the masses alone if the functions have no norm.
+    /// Computes the weights for which the wavelet has the least norm and integral 0; from the masses alone if the Gram
+    /// matrix has no factor.
     fn constrained(&mut self, right: &[f64], own: &[f64], mass: f64) -> Vec<f64> {
         let by_mass = || {
             let square: f64 = own.iter().map(|m| m * m).sum();
@@ -220,7 +225,7 @@ impl<'a> LocalSystem<'a> {
         weights
     }
 
-    /// Cholesky's factorization of the Gram matrix; false if it is not positive.
+    /// Computes Cholesky's factor of the Gram matrix; `false` if the matrix is not positive definite.
     fn factorize(&mut self, size: usize) -> bool {
         self.factor.clear();
         self.factor.extend_from_slice(&self.products);

@@ -1,17 +1,17 @@
-//! Vertices at equal positions taken as one.
+//! Welding of vertices at equal positions.
 
 use crate::{SubdivisionError, triangles_of};
 use adwave::shape::{Mesh, VertexMap, WeldMode};
 
-/// Triangles of a mesh whose vertices at equal positions are one: files split vertices along the seams of a texture, and no
-/// seam may cut a hierarchy.
+/// Triangle mesh in which vertices at equal positions are one vertex. Files split vertices along the seams of a
+/// texture, and a seam must not cut a hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WeldedMesh {
     /// Welded vertex of each vertex of the mesh.
     pub of_vertex: Vec<u32>,
     /// First vertex of the mesh at each welded vertex, increasing.
     pub vertices: Vec<u32>,
-    /// The triangles, as welded vertices.
+    /// Triangles, as welded vertices.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -51,10 +51,11 @@ impl WeldedMesh {
         self.vertices.iter().map(|&v| mesh.points()[v as usize]).collect()
     }
 
-    /// Values of the welded vertices, of `n_channels` values per vertex of the mesh.
+    /// Values of the welded vertices, from `n_channels` values per vertex of the mesh.
     ///
     /// # Errors
-    /// [`SubdivisionError::Seam`] if the values of two copies of a vertex differ: a hierarchy could not give them back.
+    /// [`SubdivisionError::Seam`] if the values of two copies of a vertex differ, because a hierarchy could not restore
+    /// them.
     pub fn gather(&self, values: &[f64], n_channels: usize) -> Result<Vec<f64>, SubdivisionError> {
         let row = |v: usize| &values[v * n_channels..][..n_channels];
         for (v, &welded) in self.of_vertex.iter().enumerate() {
@@ -66,7 +67,7 @@ impl WeldedMesh {
         Ok(self.vertices.iter().flat_map(|&v| row(v as usize).iter().copied()).collect())
     }
 
-    /// Values of all vertices of the mesh, from those of the welded vertices.
+    /// Values of all vertices of the mesh, from `n_channels` values per welded vertex.
     pub fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
         let row = |v: u32| values[v as usize * n_channels..][..n_channels].iter().copied();
         self.of_vertex.iter().flat_map(|&v| row(v)).collect()

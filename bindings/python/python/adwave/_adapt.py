@@ -101,7 +101,7 @@ class Parts:
 
 
 def is_path(shape: object) -> TypeGuard[str | os.PathLike[str]]:
-    """Tells whether `shape` names a file: a `str` or a path object."""
+    """True if `shape` names a file: a `str` or a path object."""
     return isinstance(shape, (str, os.PathLike))
 
 
@@ -220,19 +220,19 @@ def with_results(
 
 
 def can_hold_results(given: object) -> bool:
-    """Tells whether `with_results` can make an object of the kind of `given`."""
+    """True if `with_results` can make an object of the kind of `given`."""
     if (library := library_of(given)) is not None:
         return has_place(given, library)
     return _pair_of(given) is not None or (_is_array_like(given) and not has_shape_names(given))
 
 
 def holds_fields(given: object) -> bool:
-    """Tells whether an object has a place for values at its vertices."""
+    """True if an object can store values at its vertices."""
     return library_of(given) is not None
 
 
 def stores_normals(given: object) -> bool:
-    """Tells whether an object stores normals, instead of computing them."""
+    """True if an object stores normals instead of computing them."""
     return library_of(given) in ("pyvista", "meshio", "open3d")
 
 

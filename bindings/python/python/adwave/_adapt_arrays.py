@@ -32,7 +32,7 @@ def kind_of(x: object) -> str:
 
 
 def is_array(x: object) -> bool:
-    """Tells whether `x` is an array of numpy's or offers itself as one."""
+    """True if `x` is a NumPy array or implements one of the array interfaces."""
     return any(hasattr(x, name) for name in ("__array__", "__array_interface__", "__dlpack__"))
 
 
@@ -297,14 +297,14 @@ def _cells_hint(cells: Array, n_points: int, name: str) -> str:
 
 
 def _is_transposed(cells: Array, n_points: int) -> bool:
-    """Tells whether three long rows are transposed triangles: polygons would visit each vertex once."""
+    """True if three or four long rows are transposed faces: a polygon would have each vertex once."""
     if cells.shape[0] not in (3, 4) or cells.shape[1] <= 4:
         return False
     return cells.shape[1] > n_points or any(np.unique(row).size < row.size for row in cells)
 
 
 def _is_corners_and_offsets(cells: Any, fewest: int) -> bool:
-    """Tells whether a pair is (corners, offsets): two 1-D arrays are; two lists are if the second can be offsets."""
+    """True if a pair is (corners, offsets): two 1-D arrays, or two lists the second of which can be offsets."""
     if not isinstance(cells, tuple) or len(cells) != 2 or any(depth(part) != 1 for part in cells):
         return False
     corners, offsets = cells

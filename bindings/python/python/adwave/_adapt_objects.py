@@ -99,7 +99,7 @@ def read(x: Any, library: str) -> Found:
 
 
 def has_shape_names(x: object) -> bool:
-    """Tells whether `x` has attributes named like vertices or points."""
+    """True if `x` has attributes named like vertices or points."""
     return any(hasattr(x, vertices) for vertices, _ in _SHAPE_NAMES)
 
 
@@ -280,7 +280,7 @@ def _read_vtk(x: Any) -> Found:
 
 
 def is_meshio_face(block: Any) -> bool:
-    """Tells whether the cells of a block are flat polygons."""
+    """True if the cells of a block are flat polygons."""
     return block.type in ("triangle", "quad") or block.type.startswith("polygon")
 
 
@@ -344,7 +344,7 @@ def open3d_kind(x: object) -> str:
 
 
 def is_tensor_geometry(x: object) -> bool:
-    """Tells whether `x` is of open3d.t.geometry, which keeps named tensors."""
+    """True if `x` belongs to open3d.t.geometry, whose objects have named tensors."""
     return ".t." in type(x).__module__ or any(".t." in cls.__module__ for cls in type(x).__mro__)
 
 

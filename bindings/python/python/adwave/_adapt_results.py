@@ -375,7 +375,7 @@ def _rebuild_laspy(like: Any, results: _Results) -> Any:
 
 
 def has_place(like: Any, library: str) -> bool:
-    """Tells whether results can be put into an object of `library`."""
+    """True if results can be put into an object of `library`."""
     return library in _REBUILDERS and not (library == "open3d" and open3d_kind(like) == "LineSet")
 
 

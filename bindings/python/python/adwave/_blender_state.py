@@ -49,7 +49,7 @@ def is_split(mesh: Any) -> bool:
 
 
 def is_ours(mesh: Any) -> bool:
-    """Tells whether faces and points are unchanged since the sliders moved them."""
+    """True if faces and points are unchanged since the sliders moved them."""
     state = mesh.adwave
     return own.connections(mesh) == state.connections and own.checksum(own.points_of(mesh)) == state.written
 

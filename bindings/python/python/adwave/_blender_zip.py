@@ -92,7 +92,7 @@ def installed_wheel() -> tuple[str, bytes]:
 
 
 def _of_wheel(file: PurePosixPath) -> bool:
-    """Tells whether a file belongs to the wheel and was not written by the installation."""
+    """True if a file belongs to the wheel and was not written by the installation."""
     made = ("INSTALLER", "REQUESTED", "direct_url.json")
     return ".." not in file.parts and "__pycache__" not in file.parts and file.name not in made
 

@@ -42,7 +42,7 @@ class CloneOptions:
 
 
 class BoundShape(Protocol):
-    """What a `Deformer` asks of a `Decomposer`."""
+    """Interface of a `Decomposer` that a `Deformer` uses."""
 
     @property
     def _data(self) -> _native.Prepared: ...

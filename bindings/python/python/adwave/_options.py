@@ -284,7 +284,7 @@ class Operator:
         return self if self.kind is not None else self._with("kind", kind)
 
     def needs_walk(self) -> bool:
-        """Tells whether an option is given that only the walk has."""
+        """True if an option is given that only the walk has."""
         return any(v is not None for v in (self.rings, self.directed, self.area, self.density_invariant))
 
 

@@ -160,7 +160,7 @@ class Part:
 
     @property
     def is_own(self) -> bool:
-        """Whether results are `Shape` objects, because the caller's kind of object has no place for them."""
+        """True if results are `Shape` objects, because the caller's kind of object cannot store them."""
         given = self.given
         return isinstance(given, (Shape, Decomposer)) or _adapt.is_path(given) or not _adapt.can_hold_results(given)
 

@@ -195,7 +195,7 @@ class Shape:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """The same as `points`."""
+        """Alias of `points`."""
         return self._data.points
 
     @property

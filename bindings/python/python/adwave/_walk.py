@@ -97,7 +97,7 @@ class Walk:
 
     @property
     def is_reversible(self) -> bool:
-        """Whether weights are symmetric. A directed walk is applied power by power, in whole steps."""
+        """True if weights are symmetric. A directed walk is applied power by power, in whole steps."""
         return self._data.is_reversible
 
     @property

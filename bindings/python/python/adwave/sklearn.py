@@ -65,7 +65,7 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
         return self
 
     def fit_transform(self, shapes: Sequence[object], y: Any = None, **options: Any) -> NDArray[np.float64]:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """The same as `transform`, because nothing is learned.
+        """Equals `transform`, because nothing is learned.
 
         Parameters
         ----------

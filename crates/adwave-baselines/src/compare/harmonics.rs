@@ -22,7 +22,8 @@ pub(super) fn compare(
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let sigma = bands.sigma[bands.n_levels()];
-    // The mean square distance after the time t is 4t in a plane, so a step of length s has the gain 1 − λs²/4 to first order.
+    // In a plane the mean square distance after the time t is 4t, so a step of length s has the gain 1 − λs²/4 to first
+    // order.
     let (steps, semigroup) = (bands.steps[bands.n_levels()], input.decomposer.operator().semigroup());
     let exponent = match semigroup {
         // (1 − λσ²/4n)^n = ½ at λσ²/4 = n(1 − 2^(−1/n))

@@ -1,4 +1,4 @@
-//! The saliency map of `lee2005`.
+//! Comparison with the saliency map of `lee2005`.
 
 use super::shared::{norms, row};
 use super::{CompareError, Comparison, ComparisonInput, Outcome};

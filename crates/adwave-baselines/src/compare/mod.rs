@@ -1,4 +1,4 @@
-//! One task solved by adwave and by another method, with their differences and times side by side.
+//! Comparisons: one task is solved by adwave and by another method, with the differences and times of both.
 
 mod feature_map;
 mod harmonics;
@@ -30,7 +30,7 @@ use adwave_subdivision::SubdivisionError;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Method that adwave is compared with.
+/// Method with which adwave is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
@@ -71,7 +71,7 @@ named_values!(Method, "method", {
     Subdivision => "subdivision", "Wavelets by lifting";
 });
 
-/// Reasons for which a comparison cannot be made.
+/// Reason for which a comparison cannot be made.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // each variant wraps the error of the module it names
 #[non_exhaustive]
@@ -117,14 +117,14 @@ pub enum CompareError {
     NotCoordinates,
 }
 
-/// One measured quantity.
+/// Measured quantity with its values for both methods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Name of the quantity, with its unit.
     pub quantity: String,
-    /// Value for adwave; `None` if the quantity has no meaning there.
+    /// Value for adwave; `None` if the quantity has no meaning for adwave.
     pub adwave: Option<f64>,
-    /// Value for the other method; `None` if the quantity has no meaning there.
+    /// Value for the other method; `None` if the quantity has no meaning for that method.
     pub other: Option<f64>,
 }
 
@@ -135,16 +135,16 @@ pub struct Outcome {
     pub name: String,
     /// Number of values per vertex.
     pub n_channels: usize,
-    /// n_vertices × n_channels.
+    /// Values, row-major, n_vertices × n_channels.
     pub values: Vec<f64>,
 }
 
-/// Results of both methods and the measurements.
+/// Results of both methods, and the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Task that both methods solved.
     pub task: String,
-    /// The measurements.
+    /// Measured quantities.
     pub rows: Vec<Row>,
     /// Results of adwave.
     pub adwave: Vec<Outcome>,
@@ -152,10 +152,10 @@ pub struct Comparison {
     pub other: Vec<Outcome>,
 }
 
-/// Shape, signal and settings that both methods are given.
+/// Shape, signal and settings that are given to both methods.
 #[derive(Clone, Copy, Debug)]
 pub struct ComparisonInput<'a> {
-    /// The shape.
+    /// Shape of the comparison.
     pub shape: &'a Shape,
     /// Prepared geometry and diffusion operator of the shape.
     pub decomposer: &'a Decomposer,
@@ -165,7 +165,7 @@ pub struct ComparisonInput<'a> {
     pub schedule: &'a Schedule,
     /// Accuracy and method with which adwave computes its bands.
     pub params: &'a BandsParams,
-    /// n_vertices × n_channels.
+    /// Signal, row-major, n_vertices × n_channels.
     pub signal: &'a [f64],
     /// Number of channels of the signal.
     pub n_channels: usize,

@@ -8,7 +8,7 @@ use adwave::bands::Bands;
 use adwave::shape::{PreparedGeometry, enclosed_volume, face_normals};
 use std::time::Instant;
 
-/// Number of finest levels removed by adwave: enough for noise of a fraction of an edge; larger details stay.
+/// Number of finest levels that adwave removes: enough for noise of a fraction of an edge; larger details remain.
 pub(super) const LEVELS: usize = 4;
 
 pub(super) fn compare(
@@ -54,7 +54,7 @@ pub(super) fn compare(
     Ok(smoothing(input, task, &ours, theirs, rows))
 }
 
-/// Volume and face normals of the shape with other vertex positions.
+/// Volume and face normals of the shape at some vertex positions.
 struct FilteredSurface {
     normals: Vec<[f64; 3]>,
     volume: f64,
@@ -68,7 +68,7 @@ impl FilteredSurface {
         Self { normals: face_normals(&points, triangles), volume: enclosed_volume(&points, triangles) }
     }
 
-    /// Cosines of the angles to the normals of `other`, for faces that have a normal on both surfaces.
+    /// Cosines of the angles to the normals of `other`, for the faces that have a normal on both surfaces.
     fn cosines<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = f64> + 'a {
         let pairs = self.normals.iter().zip(&other.normals);
         let pairs = pairs.filter(|(a, b)| **a != [0.0; 3] && **b != [0.0; 3]);

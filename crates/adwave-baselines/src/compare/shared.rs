@@ -14,7 +14,7 @@ pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Largest Euclidean norm of the difference of two signals at a vertex, taken over its channels as in `rms`.
+/// Largest Euclidean norm of the difference of two signals at a vertex, over its channels.
 pub(super) fn largest_distance(a: &[f64], b: &[f64], n_channels: usize) -> f64 {
     let rows = a.chunks_exact(n_channels).zip(b.chunks_exact(n_channels));
     let squares = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
@@ -41,14 +41,14 @@ pub(super) fn smoothing(
     Comparison { task, rows, adwave: outcome(ours.to_vec()), other: outcome(theirs) }
 }
 
-/// Reconstructs `S_f(J) + Σ W_f(j)`; also returns the seconds it takes.
+/// Reconstructs `S_f(J) + Σ W_f(j)`, and also returns the seconds that this takes.
 pub(super) fn reconstruct(bands: &Bands) -> (Vec<f64>, f64) {
     let start = Instant::now();
     let sum = bands.reconstruct();
     (sum, start.elapsed().as_secs_f64())
 }
 
-/// Norms of the wavelets, as saliency and features need them.
+/// Norms of the wavelets, in the form that saliency and features need.
 pub(super) fn norms(input: &ComparisonInput<'_>, bands: &Bands) -> Wavelets {
     bands.to_wavelets(input.decomposer.vertex_map()).into_norms()
 }
@@ -58,13 +58,13 @@ pub(super) fn channel(f: &[f64], n_channels: usize, c: usize) -> Vec<f64> {
     f.iter().skip(c).step_by(n_channels).copied().collect()
 }
 
-/// Interleaves the channels, vertex by vertex.
+/// Interleaves channels to a signal, vertex by vertex.
 pub(super) fn interleave(channels: &[Vec<f64>]) -> Vec<f64> {
     let n = channels.first().map_or(0, Vec::len);
     (0..n).flat_map(|x| channels.iter().map(move |c| c[x])).collect()
 }
 
-/// The bands as results.
+/// Converts the bands to results.
 pub(super) fn wavelets(bands: &Bands) -> Vec<Outcome> {
     let outcome = |(k, values): (usize, &[f64])| Outcome {
         name: format!("W{}", k + 1),

@@ -11,16 +11,16 @@ use adwave::shape::{MeshArea, mesh_areas};
 use adwave_subdivision::{Family, Hierarchy, LiftedWavelets, SubdivisionError, WeldedMesh};
 use std::time::Instant;
 
-/// Share of the number of values that each method may keep.
+/// Number of values that each method may keep, as a share of all.
 const SHARE: f64 = 0.1;
 
-/// Number of places of the bump.
+/// Number of places at which a bump is analyzed.
 const N_PLACES: usize = 60;
 
-/// Radius of the bump in mean edge lengths.
+/// Radius of a bump, in mean edge lengths.
 const BUMP_EDGES: f64 = 10.0;
 
-/// Number of bumps that are split together, as the channels of one signal.
+/// Number of bumps that are decomposed together, as the channels of one signal.
 const BUMPS_AT_A_TIME: usize = 4;
 
 pub(super) fn compare(
@@ -89,8 +89,8 @@ pub(super) fn compare(
     Ok(Comparison { task, rows, adwave: outcome(ours), other: outcome(theirs) })
 }
 
-/// The sum of the largest coefficients of all bands, a tenth as many as there are vertices; the weight of a coefficient is the root of
-/// its area.
+/// Sums the largest coefficients of all bands, a tenth as many as there are vertices. The weight of a coefficient is
+/// its magnitude times the root of its area.
 fn keep_bands(bands: &Bands, masses: &[f64]) -> Vec<f64> {
     let (n, d, all) = (bands.n_vertices, bands.n_channels, bands.as_slice());
     let weight =
@@ -111,7 +111,8 @@ fn keep_bands(bands: &Bands, masses: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// Root mean square difference by area, in % of the deviation of the signal; 0 for a constant one.
+/// Root mean square difference, weighted by area, in % of the standard deviation of the signal; 0 for a constant
+/// signal.
 fn relative_error(signal: &[f64], other: &[f64], masses: &[f64]) -> f64 {
     let d = signal.len() / masses.len();
     let total: f64 = masses.iter().sum();
@@ -127,14 +128,15 @@ fn relative_error(signal: &[f64], other: &[f64], masses: &[f64]) -> f64 {
 
 /// Bumps of one size at several places of a mesh.
 struct Bumps<'a> {
-    /// A column for each bump over the welded vertices, with the energy 1 by area.
+    /// One column for each bump over the welded vertices, scaled to an energy of 1 by area.
     columns: Vec<Vec<f64>>,
     welded: &'a WeldedMesh,
     progress: Progress<'a>,
 }
 
 impl<'a> Bumps<'a> {
-    /// Bumps around vertices of evenly spread numbers. A bump falls from 1 to 0 with the distance along the surface.
+    /// Places bumps around vertices with evenly spread indices. A bump falls from 1 to 0 with the distance along the
+    /// surface.
     fn new(
         input: &ComparisonInput<'_>,
         welded: &'a WeldedMesh,
@@ -160,7 +162,7 @@ impl<'a> Bumps<'a> {
         Ok(Self { columns, welded, progress })
     }
 
-    /// Variation of the energy on the strongest band, in %.
+    /// Relative variation over the bumps of the energy on the strongest band, in %.
     fn spread_of_bands(&self, input: &ComparisonInput<'_>) -> Result<f64, CompareError> {
         let masses = input.decomposer.areas();
         let mut energies = Vec::new();
@@ -180,7 +182,7 @@ impl<'a> Bumps<'a> {
         Ok(spread(&energies))
     }
 
-    /// Variation of the energy of the details of the strongest level, in %.
+    /// Relative variation over the bumps of the energy of the details on the strongest level, in %.
     fn spread_of_wavelets(&self, wavelets: &LiftedWavelets) -> Result<f64, CompareError> {
         let mut energies = Vec::new();
         for column in &self.columns {
@@ -197,7 +199,7 @@ impl<'a> Bumps<'a> {
     }
 }
 
-/// Deviation over the places divided by the mean, in %, on the level with the greatest mean.
+/// Standard deviation over the bumps divided by the mean, in %, on the level with the largest mean.
 fn spread(energies: &[Vec<f64>]) -> f64 {
     let n = energies.len() as f64;
     let n_levels = energies.first().map_or(0, Vec::len);

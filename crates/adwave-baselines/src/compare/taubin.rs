@@ -10,10 +10,11 @@ use adwave::measure::rms;
 use adwave::operator::Semigroup;
 use std::time::Instant;
 
-/// Cap on the iterations of λ|μ, which needs about 3/k² of them at the frequency k; above the cap it is skipped.
+/// Largest number of iterations of λ|μ, which needs about 3/k² iterations at the frequency k; if it needs more, it is
+/// skipped.
 const MOST_ITERATIONS: usize = 4000;
 
-/// The gain of n steps at the frequency k, an eigenvalue of `2(I − Φ₁)`.
+/// Gain of n steps at the frequency k, an eigenvalue of `2(I − Φ₁)`.
 fn gain(semigroup: Semigroup, n: f64, k: f64) -> f64 {
     match semigroup {
         Semigroup::Steps => (1.0 - k / 2.0).max(0.0).powf(n),

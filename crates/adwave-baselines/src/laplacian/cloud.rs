@@ -3,14 +3,13 @@
 use adwave::operator::LocalOperator;
 use adwave::vector::{dot, subtract};
 
-/// `Δ|x − p|² = 4` in a plane.
+/// Laplacian `Δ|x − p|²` of the squared distance in a plane.
 const PLANE: f64 = 4.0;
 
-/// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbors, and masses A (`belkin2009`).
+/// Computes the weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbors, and the masses A (`belkin2009`).
 ///
-/// In the paper c is 1/4πt² and all points are neighbors. With the nearest neighbors alone the kernel is cut off, so
-/// c is chosen such that `Δ|x − p|² = 4` holds at the median point p, as in a plane. An isolated point has the mass
-/// 1.
+/// In the paper c is 1/4πt² and all points are neighbors. With only the nearest neighbors the kernel is cut off, so c
+/// is chosen such that `Δ|x − p|² = 4` holds at the median point p, as in a plane. An isolated point has the mass 1.
 pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
     let mut mass = operator.areas().to_vec();
     let four_t = 4.0 * operator.time();

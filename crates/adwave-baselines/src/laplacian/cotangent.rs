@@ -2,8 +2,8 @@
 
 use adwave::vector::{cross, dot, norm, subtract};
 
-/// `w = ½ cot(opposite angle)` for each side of each triangle (`pinkall1993`). A side of several triangles is listed
-/// once per triangle; triangles without area are skipped.
+/// Computes the weight `w = ½ cot(opposite angle)` of each side of each triangle (`pinkall1993`). A side of several
+/// triangles is listed once per triangle; triangles without area are skipped.
 pub(super) fn cotangent_weights(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<(u32, u32, f64)> {
     let mut weights = Vec::with_capacity(3 * triangles.len());
     for &t in triangles {

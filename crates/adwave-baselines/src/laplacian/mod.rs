@@ -1,6 +1,7 @@
 //! Laplacian of a shape: a symmetric stiffness matrix and a mass for each vertex.
 //!
-//! `Δf = M⁻¹ S f` with the sign that makes it positive semi-definite: `fᵀSf` is the Dirichlet energy.
+//! With the mass matrix M and the stiffness matrix S, `Δf = M⁻¹ S f` has the sign for which it is positive
+//! semi-definite: `fᵀSf` is the Dirichlet energy.
 
 mod cloud;
 mod cotangent;
@@ -14,10 +15,10 @@ use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, mesh_areas};
 /// Triangles of a mesh on which the cotangents are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Triangulation {
-    /// The intrinsic Delaunay triangulation of the same surface, as in [`adwave::laplacian`]; no weight is negative.
+    /// Intrinsic Delaunay triangulation of the same surface, as in [`adwave::laplacian`]; no weight is negative.
     #[default]
     IntrinsicDelaunay,
-    /// The triangles as they are: obtuse ones give negative weights, and triangles without area are skipped.
+    /// Triangles of the mesh: obtuse triangles give negative weights, and triangles without area are skipped.
     AsGiven,
 }
 
@@ -57,9 +58,9 @@ impl LaplacianParams {
 /// Changes made to the triangles, and properties of the weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaplacianInfo {
-    /// Edges flipped to reach the intrinsic Delaunay triangulation.
+    /// Number of edges flipped to reach the intrinsic Delaunay triangulation.
     pub n_flips: usize,
-    /// Number of negative weights, which come from obtuse triangles as given; edges at the border count too.
+    /// Number of negative weights, which come from obtuse triangles of the mesh; edges at the border count as well.
     pub n_negative: usize,
     /// Length added to every edge, in model units; 0 without degenerate triangles.
     pub lengthened: f64,
@@ -67,7 +68,7 @@ pub struct LaplacianInfo {
     pub n_massless: usize,
 }
 
-/// Stiffness and mass of a shape, in the order of the analysis (`vertex_map` maps the shape's vertices onto it).
+/// Stiffness and mass of a shape, with one row per welded vertex (`vertex_map` maps the shape's vertices to the rows).
 ///
 /// ```
 /// use adwave::shape::{Mesh, Polygons, Shape};
@@ -81,9 +82,9 @@ pub struct LaplacianInfo {
 /// ```
 #[derive(Clone, Debug)]
 pub struct LaplacianMatrices {
-    /// S: symmetric, positive semi-definite, rows summing to 0, without unit on a surface.
+    /// Stiffness matrix S: symmetric, positive semi-definite, with rows that sum to 0; dimensionless on a surface.
     pub stiffness: SymmetricMatrix,
-    /// Diagonal of M, ≥ 0, in squared model units (1 for a graph).
+    /// Diagonal of the mass matrix M, at least 0, in squared model units (1 for a graph).
     pub mass: Vec<f64>,
     /// Map from the shape's vertices to the rows of the matrices.
     pub vertex_map: VertexMap,
@@ -92,7 +93,8 @@ pub struct LaplacianMatrices {
 }
 
 impl LaplacianMatrices {
-    /// Builds the Laplacian of `shape`: cotangents on a mesh, heat kernel on a cloud, `D − W` on a graph. O(n log n).
+    /// Builds the Laplacian of `shape`: cotangents on a mesh, the heat kernel on a cloud, `D − W` on a graph. O(n log
+    /// n).
     ///
     /// # Errors
     /// [`LinalgError`] if weights overflow.
@@ -135,13 +137,13 @@ impl LaplacianMatrices {
         Ok(Self { stiffness, mass, vertex_map: geometry.vertex_map().clone(), info })
     }
 
-    /// Number of rows.
+    /// Number of rows, that of the welded vertices.
     pub fn n(&self) -> usize {
         self.mass.len()
     }
 }
 
-/// `S = Σ w (e_x − e_y)(e_x − e_y)ᵀ`.
+/// Builds `S = Σ w (e_x − e_y)(e_x − e_y)ᵀ` from edges with their weights.
 fn from_weights(n: usize, edges: &[(u32, u32, f64)]) -> Result<SymmetricMatrix, LinalgError> {
     let off: Vec<_> = edges.iter().filter(|e| e.0 != e.1).map(|&(x, y, w)| (x, y, -w)).collect();
     let off = SymmetricMatrix::from_halves(n, &off)?;
@@ -161,7 +163,7 @@ fn count_negative(stiffness: &SymmetricMatrix) -> usize {
         .sum()
 }
 
-/// Cotangents of the triangles as they are, and vertex areas according to `area`.
+/// Computes the cotangents of the mesh's triangles, and the vertex areas according to `area`.
 fn cotangents_and_areas(geometry: &PreparedGeometry, area: MeshArea) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
     let (points, unit) = unit_points(geometry.points());
     let entries = cotangent::cotangent_weights(&points, geometry.triangles());
@@ -169,8 +171,8 @@ fn cotangents_and_areas(geometry: &PreparedGeometry, area: MeshArea) -> (Vec<(u3
     (entries, areas.into_iter().map(|a| a * unit * unit).collect())
 }
 
-/// Scales the positions by a power of two near the diagonal, so that squares neither overflow nor vanish; also
-/// returns that unit.
+/// Scales the positions by a power of two near the diagonal, so that squares neither overflow nor vanish; also returns
+/// that power.
 fn unit_points(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
     let diagonal = adwave::shape::diagonal(points);
     let unit = if diagonal > 0.0 { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };

@@ -16,7 +16,7 @@ fn laplacian(shape: &Shape, triangulation: Triangulation) -> LaplacianMatrices {
     LaplacianMatrices::new(shape, &LaplacianParams::default().with_triangulation(triangulation)).unwrap()
 }
 
-/// Rounding of sums of a few thousand terms.
+/// Rounding error of sums of a few thousand terms.
 const ROUNDING: f64 = 1e-11;
 
 #[test]

@@ -6,14 +6,14 @@ use adwave::Progress;
 /// Cost and accuracy of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgInfo {
-    /// Iterations done.
+    /// Number of iterations.
     pub iterations: usize,
-    /// `‖b − A x‖ / ‖b‖` according to the recurrence.
+    /// Relative residual `‖b − A x‖ / ‖b‖` according to the recurrence.
     pub residual: f64,
 }
 
-/// Solves `A x = b` to `‖b − A x‖ ≤ tolerance·‖b‖` for a symmetric positive semi-definite `A` given by `apply(x, y)`:
-/// `y = A x`.
+/// Solves `A x = b` to `‖b − A x‖ ≤ tolerance·‖b‖` for a symmetric positive semi-definite `A`, where `apply(x, y)`
+/// computes `y = A x`.
 ///
 /// The iteration starts at 0, so that the part of `b` in the null space of A does not enter `x`. It does not converge
 /// if `b` lies outside the range of A by more than the tolerance.

@@ -1,5 +1,5 @@
-//! Smallest eigenpairs of a symmetric positive semi-definite sparse matrix, component by component; small components
-//! are solved densely.
+//! Smallest eigenpairs of a symmetric positive semi-definite sparse matrix, computed component by component; small
+//! components are solved densely.
 
 use super::panel::{Panel, gram};
 use super::slices::smallest_connected;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 const DENSE: usize = 500;
 /// Largest number of rows of a component that is solved densely if at least a quarter of its spectrum is requested.
 const DENSE_FOR_MANY: usize = 3000;
-/// A vector counts as a null vector if its product is below this bound, relative to the matrix.
+/// Norm of the product with the matrix, relative to the matrix, below which a vector counts as a null vector.
 const NULL: f64 = 1e-11;
 
 /// Parameters of the eigensolver.
@@ -20,9 +20,9 @@ const NULL: f64 = 1e-11;
 pub struct EigenParams {
     /// Largest relative residual `‖(A−σI)⁻¹x − θx‖ / |θ|` in the inverse.
     pub tolerance: f64,
-    /// Largest number of eigenpairs per band, that is per factorization.
+    /// Largest number of eigenpairs per band, the part of the spectrum that one factorization covers.
     pub band: usize,
-    /// Cap on the solves per requested eigenpair; 1,000 more are always allowed.
+    /// Largest number of solves per requested eigenpair; 1,000 more are always allowed.
     pub max_solves_per_pair: usize,
 }
 
@@ -49,17 +49,17 @@ impl EigenParams {
 /// Cost and accuracy of the eigenpairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EigenInfo {
-    /// Solves of `(A − σI)x = b`.
+    /// Number of solves of `(A − σI)x = b`.
     pub solves: usize,
-    /// Restarts of the Lanczos process.
+    /// Number of restarts of the Lanczos process.
     pub restarts: usize,
-    /// Factorizations, including those for counting.
+    /// Number of factorizations, including those for counting eigenvalues.
     pub factorizations: usize,
     /// Number of connected components of the matrix.
     pub n_components: usize,
     /// Number of components solved by a dense method.
     pub n_dense: usize,
-    /// Largest `‖A x − λ x‖ / ‖A‖_∞`.
+    /// Largest relative residual `‖A x − λ x‖ / ‖A‖_∞`.
     pub residual: f64,
 }
 
@@ -68,16 +68,16 @@ pub struct EigenInfo {
 pub struct Eigenpairs {
     /// Length of an eigenvector.
     pub n: usize,
-    /// Eigenvalues.
+    /// Eigenvalues, ascending.
     pub values: Vec<f64>,
-    /// Orthonormal eigenvectors, one after the other.
+    /// Orthonormal eigenvectors, one after another.
     pub vectors: Vec<f64>,
-    /// Cost and accuracy.
+    /// Cost and accuracy of the eigenpairs.
     pub info: EigenInfo,
 }
 
 impl Eigenpairs {
-    /// Eigenvector `k`.
+    /// Returns eigenvector `k`.
     pub fn vector(&self, k: usize) -> &[f64] {
         &self.vectors[k * self.n..][..self.n]
     }
@@ -90,20 +90,20 @@ struct ComponentPairs {
     vectors: Panel,
 }
 
-/// Computes the `k` smallest eigenpairs (all of them if there are fewer) of a symmetric positive semi-definite
+/// Computes the `k` smallest eigenpairs, or all of them if there are fewer, of a symmetric positive semi-definite
 /// `matrix`.
 ///
-/// `null` is an optional vector whose restriction to a component spans the null space, if there is one. It is
-/// checked, and the eigenvalue is then exactly 0. No eigenvalue is missed: the inertia of a factorization counts
-/// those below the last. Each component is solved separately, so that a thousand equal parts do not form a multiple
-/// eigenvalue.
+/// `null` is an optional vector whose restriction to a component spans the null space of the component, if there is
+/// one. This is checked, and the eigenvalue is then exactly 0. No eigenvalue is missed: the inertia of a factorization
+/// counts those below the last. Each component is solved separately, so that a thousand equal components do not form a
+/// multiple eigenvalue.
 ///
-/// The result does not depend on the number of threads. Cost on a surface: about 2k solves, 8·n·k² operations and
-/// three factorizations a band.
+/// The result does not depend on the number of threads. Cost on a surface: about 2k solves, 8·n·k² operations and three
+/// factorizations per band.
 ///
 /// # Errors
-/// [`LinalgError`] if the matrix has negative eigenvalues, cannot be factorized, or the pairs do not converge within
-/// the cap; when cancelled.
+/// [`LinalgError`] if the matrix has negative eigenvalues or cannot be factorized, if the pairs do not converge within
+/// the largest number of solves, and on cancellation.
 ///
 /// ```
 /// use adwave::Progress;
@@ -190,7 +190,7 @@ struct ComponentSolver<'a> {
 }
 
 impl ComponentSolver<'_> {
-    /// Computes the `k` smallest eigenpairs of the component with these rows and adds the cost to `info`.
+    /// Computes the `k` smallest eigenpairs of the component with the given rows, and adds the cost to `info`.
     fn solve(&self, rows: &[u32], k: usize, info: &mut EigenInfo) -> Result<ComponentPairs, LinalgError> {
         let component = self.matrix.submatrix(rows);
         let n = component.n();
@@ -216,7 +216,7 @@ impl ComponentSolver<'_> {
     }
 }
 
-/// Scales `z` to length 1; `None` if it is not in the null space.
+/// Scales `z` to length 1; `None` if it is not in the null space of the matrix.
 fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64>> {
     let length = gram(z.len(), &z, &z).first()?.sqrt();
     if !(length.is_finite() && length > 0.0) {
@@ -230,7 +230,7 @@ fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64
     (product.iter().all(|v| v.abs() <= NULL * size)).then_some(z)
 }
 
-/// `‖A‖_∞`, the largest sum of absolute values in a row.
+/// Norm `‖A‖_∞`, the largest sum of absolute values in a row.
 fn row_norm(matrix: &SymmetricMatrix) -> f64 {
     (0..matrix.n()).map(|x| matrix.row(x).1.iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
 }

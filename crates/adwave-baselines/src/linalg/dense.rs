@@ -3,8 +3,8 @@
 use super::LinalgError;
 use faer::{MatRef, Side};
 
-/// Eigenvalues in ascending order and orthonormal eigenvectors, column-major, of a dense symmetric `n` × `n` matrix
-/// given column-major. O(n³).
+/// Computes the eigenvalues in ascending order and the orthonormal eigenvectors, column-major, of a dense symmetric `n`
+/// × `n` matrix, column-major. O(n³).
 ///
 /// # Errors
 /// [`LinalgError::DenseEigen`].

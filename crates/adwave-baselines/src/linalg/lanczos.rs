@@ -1,9 +1,9 @@
-//! Block Lanczos with full reorthogonalization and thick restarts, on `(A − σI)⁻¹`.
+//! Block Lanczos method with full reorthogonalization and thick restarts, for `(A − σI)⁻¹`.
 //!
-//! The solver keeps a basis V of the block Krylov space and all of `T = Vᵀ(A − σI)⁻¹V`, so that a restart with the
-//! best Ritz vectors (`wu2000`) needs no special case. With blocks, the reorthogonalization is a product of matrices
-//! and the solves share one pass through the factor; blocks also find multiple eigenvalues. The partial eigensolver
-//! of faer does not return on some inputs.
+//! The solver keeps a basis V of the block Krylov space and all of `T = Vᵀ(A − σI)⁻¹V`, so that a restart with the best
+//! Ritz vectors (`wu2000`) needs no special case. With blocks, the reorthogonalization is a product of matrices and the
+//! solves share one pass through the factor; blocks also find multiple eigenvalues. The partial eigensolver of faer
+//! does not return on some inputs.
 
 use super::ldlt::Ldlt;
 use super::panel::{Panel, add_product, gram, norm};
@@ -14,17 +14,17 @@ use rand_pcg::Pcg64;
 
 /// Number of vectors per block: two groups of the factor's lanes, for two threads.
 const BLOCK: usize = 16;
-/// A vector counts as dependent on the others if orthogonalization reduces its norm below this fraction.
+/// Fraction of its norm to which orthogonalization must reduce a vector so that it counts as dependent on the others.
 const DEPENDENT: f64 = 1e-11;
 
-/// Numbers of requested eigenpairs and the limits of the iteration.
+/// Numbers of requested eigenpairs, and limits of the iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EigenRequest {
     /// Exact number of eigenvalues below σ that are not locked yet.
     pub(super) below: usize,
-    /// Least number of eigenpairs next above σ, as far as they exist.
+    /// Smallest number of eigenpairs next above σ, as far as they exist.
     pub(super) above: usize,
-    /// Largest `‖(A−σI)⁻¹x − θx‖ / |θ|`.
+    /// Largest relative residual `‖(A−σI)⁻¹x − θx‖ / |θ|`.
     pub(super) tolerance: f64,
     /// Largest number of solves.
     pub(super) max_solves: usize,
@@ -108,7 +108,7 @@ struct LanczosState<'a> {
     factor: &'a Ldlt,
     locked: &'a Panel,
     basis: Panel,
-    /// T, one vector per column.
+    /// Matrix T, one vector per column.
     t: Vec<Vec<f64>>,
     /// Index of the first vector in the newest block of the basis.
     block_start: usize,
@@ -136,8 +136,8 @@ impl LanczosState<'_> {
         }
     }
 
-    /// Subtracts from `w` its components along the locked vectors and the basis, twice; returns those along the
-    /// basis.
+    /// Subtracts from `w` its components along the locked vectors and the basis, twice; returns the components along
+    /// the basis.
     fn project(&self, w: &mut [f64]) -> Vec<f64> {
         let n = self.basis.n;
         let mut h = vec![0.0; self.basis.n_columns() * (w.len() / n)];
@@ -153,7 +153,7 @@ impl LanczosState<'_> {
         h
     }
 
-    /// Multiplies the newest block by the inverse and fills in T; returns the next block and its coupling to this
+    /// Multiplies the newest block by the inverse and fills in T; returns the next block and its coupling to the newest
     /// one.
     fn expand(&mut self) -> (Vec<f64>, Vec<f64>) {
         let n = self.basis.n;
@@ -180,9 +180,9 @@ impl LanczosState<'_> {
         (w, coupling)
     }
 
-    /// Orthonormalizes the columns of `w`, which are already orthogonal to the basis; returns R with `w_before = w
-    /// R`, rows × columns, row-major. Dependent columns are replaced by random ones; if the space is exhausted, R has
-    /// fewer rows and the surplus columns of `w` are to be ignored.
+    /// Orthonormalizes the columns of `w`, which are already orthogonal to the basis, and returns R with
+    /// `w_before = w R`, rows × columns, row-major. Dependent columns are replaced by random ones. If the space is
+    /// exhausted, R has fewer rows, and the surplus columns of `w` must be ignored.
     fn orthonormalize(&mut self, w: &mut [f64]) -> Vec<f64> {
         let n = self.basis.n;
         let width = w.len() / n;
@@ -220,7 +220,7 @@ impl LanczosState<'_> {
         r.concat()
     }
 
-    /// Orthogonalizes column `at` of `w` against all other vectors again; false if nothing of it is left.
+    /// Orthogonalizes column `at` of `w` against all other vectors again; `false` if nothing of it remains.
     fn reorthogonalize(&self, w: &mut [f64], at: usize) -> bool {
         let n = self.basis.n;
         let (before, rest) = w.split_at_mut(at * n);
@@ -277,7 +277,7 @@ impl LanczosState<'_> {
             .collect();
     }
 
-    /// Ritz vectors of the pairs in `which`.
+    /// Computes the Ritz vectors of the pairs `which`.
     fn combine(&self, ritz: &RitzPairs, which: &[usize]) -> Panel {
         let n = self.basis.n;
         let y: Vec<f64> =
@@ -298,7 +298,7 @@ impl LanczosState<'_> {
     }
 }
 
-/// Selects the Ritz pairs that are eigenpairs: outwards from σ, as far as all have converged.
+/// Selects the Ritz pairs that are eigenpairs: outward from σ, as far as all have converged.
 fn choose(ritz: &RitzPairs, shift: f64, wanted: EigenRequest, room: usize, exhausted: bool) -> ChosenPairs {
     let is_good = |i: &usize| exhausted || ritz.residual[*i] <= wanted.tolerance * ritz.theta[*i].abs();
     let mut above: Vec<usize> = (0..ritz.size).filter(|&i| ritz.theta[i] > 0.0).collect();
@@ -314,8 +314,8 @@ fn choose(ritz: &RitzPairs, shift: f64, wanted: EigenRequest, room: usize, exhau
     ChosenPairs { below, above }
 }
 
-/// Subtracts from `column` its components along the orthonormal `before`, twice; returns these components and the
-/// norm of the remainder.
+/// Subtracts from `column` its components along the orthonormal `before`, twice; returns these components and the norm
+/// of the remainder.
 fn gram_schmidt(n: usize, before: &[f64], column: &mut [f64]) -> (Vec<f64>, f64) {
     let mut inside = vec![0.0; before.len() / n];
     for _ in 0..2 {

@@ -20,10 +20,10 @@ use std::sync::Arc;
 /// Number of right-hand sides per sweep through the factor.
 pub(crate) const LANES: usize = 8;
 
-/// One row of right-hand sides.
+/// Row of right-hand sides.
 type Lanes = [f64; LANES];
 
-/// Sparsity pattern of a matrix's factor; valid for all shifts of the matrix.
+/// Sparsity pattern of a matrix's factor, which is valid for all shifts of the matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct FactorPattern {
     symbolic: Arc<SymbolicCholesky<usize>>,
@@ -56,10 +56,10 @@ impl FactorPattern {
     }
 }
 
-/// `A − σI = L D Lᵀ` in a fill-reducing order, ready to solve.
+/// Factorization `A − σI = L D Lᵀ` in a fill-reducing order, ready to solve.
 ///
-/// D is diagonal. This is stable for definite matrices. Indefinite ones would need pivoting, so check a solve by its
-/// residual.
+/// D is diagonal. This is stable for definite matrices. Indefinite matrices would need pivoting, so a solve must be
+/// checked by its residual.
 #[derive(Debug)]
 pub struct Ldlt {
     pattern: FactorPattern,
@@ -68,10 +68,10 @@ pub struct Ldlt {
 }
 
 impl Ldlt {
-    /// Factorizes `matrix − shift·I`. The cost is that of the fill-in: about O(n^1.5) on surfaces.
+    /// Factorizes `matrix − shift·I`. The cost depends on the fill-in: about O(n^1.5) on surfaces.
     ///
     /// # Errors
-    /// [`LinalgError::Factorize`] when a pivot is zero or not finite, or memory runs out.
+    /// [`LinalgError::Factorize`] if a pivot is zero or not finite, or if memory runs out.
     ///
     /// ```
     /// use adwave_baselines::linalg::{Ldlt, SymmetricMatrix};
@@ -130,7 +130,7 @@ impl Ldlt {
         self.pattern.symbolic.nrows()
     }
 
-    /// Shift σ.
+    /// Shift σ of the factorization.
     pub fn shift(&self) -> f64 {
         self.shift
     }
@@ -147,8 +147,8 @@ impl Ldlt {
         }
     }
 
-    /// Group `s` of columns with the same rows; a single column if faer does not group, as for matrices that are too
-    /// small.
+    /// Returns group `s` of columns with equal rows; a single column if faer does not group, as for matrices that are
+    /// too small.
     #[inline(always)]
     fn node(&self, s: usize) -> ColumnGroup<'_> {
         match self.pattern.symbolic.raw() {
@@ -173,7 +173,7 @@ impl Ldlt {
             .flat_map(|node| (0..node.size).map(move |j| node.column(j).0[j]))
     }
 
-    /// Number of eigenvalues of A below σ: by Sylvester's law of inertia the number of negative pivots.
+    /// Number of eigenvalues of A below σ, which by Sylvester's law of inertia is the number of negative pivots.
     pub fn n_below(&self) -> usize {
         self.pivots().filter(|&d| d < 0.0).count()
     }
@@ -268,7 +268,7 @@ struct ColumnGroup<'a> {
     start: usize,
     size: usize,
     rows: &'a [usize],
-    /// Columns one after the other: the diagonal block, with D instead of its unit diagonal, then the rows below.
+    /// Columns one after another: the diagonal block, with D instead of its unit diagonal, then the rows below.
     values: &'a [f64],
 }
 

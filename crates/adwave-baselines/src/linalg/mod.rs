@@ -1,8 +1,9 @@
-//! The linear algebra that the baselines share: symmetric sparse matrices, their factorization, their smallest
-//! eigenpairs, conjugate gradients.
+//! Linear algebra shared by the baselines: symmetric sparse matrices, their factorization, their smallest eigenpairs,
+//! and conjugate gradients.
 //!
-//! faer does the factorization and the dense algebra, without threads. Multithreaded work is divided here into chunks
-//! that do not depend on the number of threads, so that results are bit-identical for any number of threads.
+//! The library faer does the factorization and the dense algebra, without threads. Multithreaded work is divided here
+//! into chunks that do not depend on the number of threads, so that results are bit-identical for any number of
+//! threads.
 
 mod cg;
 mod components;
@@ -26,7 +27,7 @@ mod tests;
 use adwave::Cancelled;
 use thiserror::Error;
 
-/// Reasons for which a system cannot be solved or eigenpairs cannot be computed.
+/// Reason for which a system cannot be solved or eigenpairs cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LinalgError {
@@ -72,7 +73,7 @@ pub enum LinalgError {
         /// Number of rows.
         n: usize,
     },
-    /// The eigenpairs did not converge within the cap.
+    /// The eigenpairs did not converge within the largest number of solves.
     #[error(
         "{found} of {wanted} eigenpairs converged within {solves} solves; request fewer or set a larger \
         tolerance"
@@ -85,18 +86,18 @@ pub enum LinalgError {
         /// Number of solves spent.
         solves: usize,
     },
-    /// Conjugate gradients did not converge within the cap.
+    /// Conjugate gradients did not converge within the largest number of iterations.
     #[error(
         "conjugate gradients reached a relative residual of {residual:e} after {iterations} iterations; \
         allow more iterations or a larger tolerance"
     )]
     CgNotConverged {
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
         /// Relative residual reached.
         residual: f64,
     },
-    /// Stopped on request.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -4,10 +4,10 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Rows per chunk. Partial products are summed in the order of the chunks.
+/// Number of rows per chunk; partial products are summed in the order of the chunks.
 const ROWS_AT_A_TIME: usize = 4096;
 
-/// `columns` of length `n`, column-major.
+/// Matrix of columns of length `n`, column-major.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
     pub(super) n: usize,
@@ -36,7 +36,7 @@ impl Panel {
     }
 }
 
-/// `AᵀB`, column-major, for `a` and `b` of columns of length `n`.
+/// Computes `AᵀB`, column-major, for `a` and `b` with columns of length `n`.
 pub(crate) fn gram(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let (p, q) = (a.len() / n.max(1), b.len() / n.max(1));
     let mut sum = vec![0.0; p * q];
@@ -69,7 +69,7 @@ pub(crate) fn gram(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// `B += factor · A C`, with `c` column-major, as many rows as A has columns.
+/// Computes `B += factor · A C`, where `c` is column-major with as many rows as A has columns.
 pub(crate) fn add_product(n: usize, b: &mut [f64], factor: f64, a: &[f64], c: &[f64]) {
     let (p, q) = (a.len() / n.max(1), b.len() / n.max(1));
     debug_assert_eq!(c.len(), p * q);

@@ -1,4 +1,4 @@
-//! The smallest eigenpairs of one connected matrix, band by band, each band certified by a count.
+//! Smallest eigenpairs of one connected matrix, computed band by band; a count certifies each band.
 //!
 //! By Sylvester's law the factorization of `A − σI` yields the number of eigenvalues below σ, so that none is missed
 //! (spectrum slicing; `vallet2008` also goes band by band, but without the count).
@@ -11,10 +11,10 @@ use adwave::Progress;
 
 /// Largest relative residual of an accurate solve with an indefinite factor.
 const GOOD_SOLVE: f64 = 1e-7;
-/// Cap on the shifts tried for one band.
+/// Largest number of shifts tried for one band.
 const MAX_TRIES: usize = 12;
 
-/// Part of the spectrum computed so far: all eigenpairs below `certified`.
+/// Known part of the spectrum: the eigenpairs computed so far, in ascending order.
 pub(super) struct KnownSpectrum {
     pub(super) values: Vec<f64>,
     pub(super) vectors: Panel,
@@ -44,7 +44,7 @@ impl KnownSpectrum {
     }
 }
 
-/// Computes the `k` smallest eigenpairs of a positive semi-definite `matrix`; `null` is a unit null vector if one is
+/// Computes the `k` smallest eigenpairs of a positive semi-definite `matrix`; `null` is a unit null vector, if one is
 /// known.
 pub(super) fn smallest_connected(
     matrix: &SymmetricMatrix,
@@ -124,7 +124,7 @@ pub(super) fn smallest_connected(
     Err(LinalgError::NotConverged { found: known.values.len(), wanted: k, solves: known.solves })
 }
 
-/// Shift above the `k`-th eigenvalue, in the widest known gap.
+/// Finds a shift above the `k`-th eigenvalue, in the widest known gap.
 fn gap_above(values: &[f64], k: usize) -> f64 {
     let last = values[values.len() - 1];
     let widest = (k..values.len())
@@ -135,15 +135,15 @@ fn gap_above(values: &[f64], k: usize) -> f64 {
     }
 }
 
-/// Shift that leaves about half a band of eigenvalues between itself and the known ones.
+/// Finds a shift that leaves about half a band of eigenvalues between itself and the known ones.
 fn next_shift(known: &KnownSpectrum, k: usize, density: f64, params: &EigenParams) -> f64 {
     let top = known.values.last().copied().unwrap_or(0.0);
     let half = 0.5 * (k - known.values.len()).min(params.band) as f64;
     if density > 0.0 { top + (half + 1.0) / density } else { 2.0 * top.max(f64::MIN_POSITIVE) }
 }
 
-/// Factorizes at about `target` and returns the number of unknown eigenvalues below it. Moves the shift if it hits an
-/// eigenvalue, and lowers it if the band below would be too large.
+/// Factorizes at about `target` and returns the number of unknown eigenvalues below the shift. The shift is moved if it
+/// hits an eigenvalue, and lowered if the band below would be too large.
 fn factor_at(
     matrix: &SymmetricMatrix,
     pattern: &FactorPattern,

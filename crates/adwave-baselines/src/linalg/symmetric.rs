@@ -4,10 +4,10 @@ use super::LinalgError;
 use adwave::rows::CompressedRows;
 use rayon::prelude::*;
 
-/// Rows per task of a thread.
+/// Number of rows per task of a thread.
 const ROWS_AT_A_TIME: usize = 2048;
 
-/// Symmetric matrix with both halves stored, the columns of each row in ascending order, and the diagonal always
+/// Symmetric matrix with both halves stored. The columns of each row are in ascending order, and the diagonal is always
 /// present.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricMatrix {
@@ -15,8 +15,8 @@ pub struct SymmetricMatrix {
 }
 
 impl SymmetricMatrix {
-    /// Builds the matrix of `n` rows with `Σ value` at `(row, column)` and `(column, row)`: each entry off the
-    /// diagonal is given once, in either half; repeated entries are summed. O(entries · log).
+    /// Builds the matrix of `n` rows with `Σ value` at `(row, column)` and `(column, row)`. Each entry off the diagonal
+    /// is given once, in either half; repeated entries are summed. O(entries · log).
     ///
     /// # Errors
     /// [`LinalgError::OutOfRange`], [`LinalgError::NotFinite`].
@@ -56,34 +56,34 @@ impl SymmetricMatrix {
         self.rows.n_rows()
     }
 
-    /// Number of stored entries, both halves and the diagonal.
+    /// Number of stored entries: both halves and the diagonal.
     pub fn nnz(&self) -> usize {
         self.rows.nnz()
     }
 
-    /// Columns in ascending order, and values, of row `x`.
+    /// Returns the columns of row `x`, in ascending order, and their values.
     pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
         self.rows.row(x)
     }
 
-    /// The entry at (`x`, `y`), 0 if none is stored.
+    /// Entry at (`x`, `y`); 0 if none is stored.
     pub fn get(&self, x: usize, y: usize) -> f64 {
         self.rows.get(x, y)
     }
 
-    /// The diagonal.
+    /// Diagonal of the matrix.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.n()).map(|x| self.get(x, x)).collect()
     }
 
-    /// `y = A x`. O(entries).
+    /// Computes `y = A x`. O(entries).
     pub fn product(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         self.product_into(x, &mut y, 1);
         y
     }
 
-    /// `y = A x` for `n_channels` channels, n × n_channels row-major. O(entries × channels).
+    /// Computes `y = A x` for `n_channels` channels, n × n_channels, row-major. O(entries × channels).
     ///
     /// # Panics
     /// Unless `x` and `y` are both n × n_channels.
@@ -125,10 +125,10 @@ impl SymmetricMatrix {
         });
     }
 
-    /// `D A D` for the diagonal matrix D of `scale`. O(entries).
+    /// Computes `D A D` for the diagonal matrix D of `scale`. O(entries).
     ///
     /// # Panics
-    /// Unless there is one factor a row.
+    /// Unless there is one factor per row.
     #[must_use]
     pub fn scale_symmetrically(&self, scale: &[f64]) -> Self {
         assert_eq!(scale.len(), self.n(), "scale has one factor per row");
@@ -143,10 +143,10 @@ impl SymmetricMatrix {
         scaled
     }
 
-    /// `A + D` for the diagonal matrix D of `diagonal`. O(entries).
+    /// Computes `A + D` for the diagonal matrix D of `diagonal`. O(entries).
     ///
     /// # Panics
-    /// Unless there is one value a row.
+    /// Unless there is one value per row.
     #[must_use]
     pub fn add_diagonal(&self, diagonal: &[f64]) -> Self {
         assert_eq!(diagonal.len(), self.n(), "diagonal has one value per row");
@@ -159,7 +159,7 @@ impl SymmetricMatrix {
         sum
     }
 
-    /// Index of the connected component of each row, by its nonzero entries, and the number of components.
+    /// Finds the connected component of each row, by its nonzero entries, and the number of components.
     pub fn components(&self) -> (Vec<u32>, usize) {
         let mut label = vec![u32::MAX; self.n()];
         let (mut stack, mut count) = (Vec::new(), 0);
@@ -183,7 +183,7 @@ impl SymmetricMatrix {
         (label, count as usize)
     }
 
-    /// Submatrix of the rows and columns `kept` (ascending). O(entries).
+    /// Returns the submatrix of the rows and columns `kept` (ascending). O(entries).
     pub(crate) fn submatrix(&self, kept: &[u32]) -> Self {
         let mut place = vec![u32::MAX; self.n()];
         for (new, &old) in kept.iter().enumerate() {
@@ -202,7 +202,7 @@ impl SymmetricMatrix {
         Self { rows }
     }
 
-    /// All entries as a dense matrix, column-major.
+    /// Converts the matrix to a dense one, column-major.
     pub(crate) fn to_dense(&self) -> Vec<f64> {
         let n = self.n();
         let mut dense = vec![0.0; n * n];

@@ -18,7 +18,7 @@ fn grid(width: usize, height: usize) -> SymmetricMatrix {
     SymmetricMatrix::from_halves(width * height, &entries).unwrap()
 }
 
-/// Eigenvalues of the grid: sums of those of two paths.
+/// Eigenvalues of the grid, which are sums of those of two paths.
 fn grid_spectrum(width: usize, height: usize) -> Vec<f64> {
     let path = |n: usize, k: usize| 2.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos();
     let mut all: Vec<f64> =

@@ -1,15 +1,16 @@
 //! Biorthogonal diffusion wavelets.
 //!
-//! Source: `maggioni2005`. The scaling functions of the next level are those of this level after `2^j` more steps, as
-//! many as pivoted QR finds independent. They are not orthogonalized, so they stay as local as powers of T. The dual
-//! basis follows by inversion (eq. 12) (eq. 13) (eq. 14):
+//! Source: `maggioni2005`. The scaling functions of the next level are those of this level after `2^j` more steps;
+//! pivoted QR selects as many as are independent. They are not orthogonalized, so they remain as local as powers of T.
+//! The dual basis follows by inversion (eq. 12) (eq. 13) (eq. 14):
 //!
 //! ```text
-//! φ_{j+1,k} = T^(2^j) φ_{j,s(k)} / norm,   Φ_{j+1} = Q R,   Φ̃_{j+1} = Q R^(−T),   Φ̃ᵀΦ = I,   f = Σ ⟨f, φ̃⟩ φ + wavelets
+//! φ_{j+1,k} = T^(2^j) φ_{j,s(k)} / norm,   Φ_{j+1} = Q R,   Φ̃_{j+1} = Q R^(−T),
+//! Φ̃ᵀΦ = I,   f = Σ ⟨f, φ̃⟩ φ + wavelets
 //! ```
-//! Q is kept beside Φ. With coordinates in Φ itself, the condition numbers of the levels, up to 1/ε each, would
-//! multiply; with Q only one of them enters. The wavelets are an orthonormal basis of the orthogonal complement of
-//! `V_{j+1}` in `V_j`.
+//! Q is stored in addition to Φ. With coordinates in Φ itself, the condition numbers of the levels, up to 1/ε each,
+//! would multiply; with Q only one of them has an effect. The wavelets are an orthonormal basis of the orthogonal
+//! complement of `V_{j+1}` in `V_j`.
 //!
 //! Strength: local scaling functions whose number decreases from level to level. Weaknesses: the duals are neither
 //! local nor well conditioned, the wavelets do not have zero mean, and the cost is that of diffusion wavelets plus an
@@ -34,15 +35,15 @@ struct Level {
     q: Dense,
     /// Wavelets in the orthonormal basis of the previous level.
     w: Dense,
-    /// Scaling functions in the orthonormal basis of the level: R.
+    /// Scaling functions in the orthonormal basis of the level: the factor R.
     r: Dense,
-    /// Duals of the scaling functions in the same basis: R^(−T).
+    /// Duals of the scaling functions in the same basis: the matrix R^(−T).
     dual: Dense,
 }
 
 impl BiorthogonalDiffusionWavelets {
     /// Builds the wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each
-    /// further one.
+    /// further level.
     ///
     /// # Errors
     /// [`MultiscaleError`].
@@ -72,7 +73,7 @@ impl BiorthogonalDiffusionWavelets {
         Ok(Self { root, levels })
     }
 
-    /// Number of levels built.
+    /// Number of levels that were built.
     pub fn n_levels(&self) -> usize {
         self.levels.len()
     }
@@ -82,7 +83,7 @@ impl BiorthogonalDiffusionWavelets {
         std::iter::once(self.root.len()).chain(self.levels.iter().map(|l| l.q.columns)).collect()
     }
 
-    /// `f ↦ (⟨√π f, φ̃_J⟩, wavelet coefficients)`.
+    /// Computes the coefficients `(⟨√π f, φ̃_J⟩, wavelet coefficients)` of a signal f, one value per row of the walk.
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -121,7 +122,7 @@ impl BiorthogonalDiffusionWavelets {
         Ok(scaling.iter().zip(&self.root).map(|(s, r)| s / r).collect())
     }
 
-    /// The scaling functions of a level (from 1), of unit length in the symmetric form.
+    /// Returns the scaling functions of a level (from 1), of unit length in the symmetric form.
     ///
     /// # Panics
     /// If there is no such level.
@@ -129,7 +130,7 @@ impl BiorthogonalDiffusionWavelets {
         split(&self.ambient(level).multiply(&self.levels[level - 1].r))
     }
 
-    /// The functions dual to the scaling functions of a level (from 1).
+    /// Returns the functions dual to the scaling functions of a level (from 1).
     ///
     /// # Panics
     /// If there is no such level.
@@ -137,7 +138,7 @@ impl BiorthogonalDiffusionWavelets {
         split(&self.duals(level))
     }
 
-    /// The wavelets of a level (from 1).
+    /// Returns the wavelets of a level (from 1).
     ///
     /// # Panics
     /// If there is no such level.
@@ -145,7 +146,7 @@ impl BiorthogonalDiffusionWavelets {
         split(&self.ambient(level - 1).multiply(&self.levels[level - 1].w))
     }
 
-    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1): the error of `⟨φ̃_i, φ_k⟩ = δ_ik` (eq. 12).
+    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1), the error of `⟨φ̃_i, φ_k⟩ = δ_ik` (eq. 12).
     pub fn biorthogonality_defect(&self, level: usize) -> f64 {
         self.duals(level).defect(&self.ambient(level).multiply(&self.levels[level - 1].r))
     }
@@ -154,7 +155,7 @@ impl BiorthogonalDiffusionWavelets {
         self.ambient(level).multiply(&self.levels[level - 1].dual)
     }
 
-    /// The orthonormal basis of a level's space.
+    /// Returns the orthonormal basis of a level's space.
     fn ambient(&self, level: usize) -> Dense {
         let mut basis = Dense::identity(self.root.len());
         for (k, level) in self.levels[..level].iter().enumerate() {

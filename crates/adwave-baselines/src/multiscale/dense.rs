@@ -37,14 +37,14 @@ impl Dense {
         &self.values[j * self.rows..][..self.rows]
     }
 
-    /// `self · other`.
+    /// Computes `self · other`.
     pub(super) fn multiply(&self, other: &Self) -> Self {
         let mut product = Self::zeros(self.rows, other.columns);
         add_product(self.rows, &mut product.values, 1.0, &self.values, &other.values);
         product
     }
 
-    /// `selfᵀ · other`.
+    /// Computes `selfᵀ · other`.
     pub(super) fn transpose_multiply(&self, other: &Self) -> Self {
         Self {
             rows: self.columns,
@@ -53,14 +53,14 @@ impl Dense {
         }
     }
 
-    /// `self · x`.
+    /// Computes `self · x`.
     pub(super) fn apply(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; self.rows];
         add_product(self.rows, &mut y, 1.0, &self.values, x);
         y
     }
 
-    /// `selfᵀ · x`.
+    /// Computes `selfᵀ · x`.
     pub(super) fn apply_transposed(&self, x: &[f64]) -> Vec<f64> {
         gram(self.rows, &self.values, x)
     }
@@ -88,11 +88,11 @@ impl Dense {
     }
 }
 
-/// `A P = Q R` cut off at a precision.
+/// Factorization `A P = Q R`, truncated at a precision.
 pub(super) struct RankRevealing {
-    /// An orthonormal basis of the chosen columns.
+    /// Orthonormal basis of the chosen columns.
     pub(super) q: Dense,
-    /// Orthonormal basis of their orthogonal complement.
+    /// Orthonormal basis of the orthogonal complement of the chosen columns.
     pub(super) complement: Dense,
     /// Upper triangular factor; the chosen columns of A are `q r`.
     pub(super) r: Dense,
@@ -100,7 +100,8 @@ pub(super) struct RankRevealing {
     pub(super) chosen: Vec<usize>,
 }
 
-/// QR with column pivoting, stopped when the remainder of every column is below `precision`. O(n³).
+/// Computes the QR factorization with column pivoting, stopped when the remainder of every column is below `precision`.
+/// O(n³).
 pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing, MultiscaleError> {
     let n = a.rows;
     if a.values.iter().any(|v| !v.is_finite()) {
@@ -125,7 +126,7 @@ pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing,
     Ok(RankRevealing { q: columns(0..rank), complement: columns(rank..n), r, chosen })
 }
 
-/// `Q R^(−T)`: the columns dual to those of `Q R`.
+/// Computes `Q R^(−T)`, whose columns are dual to those of `Q R`.
 pub(super) fn dual(q: &Dense, r: &Dense) -> Dense {
     // R⁻¹ Qᵀ, transposed afterwards.
     let mut x = Dense::zeros(q.columns, q.rows);

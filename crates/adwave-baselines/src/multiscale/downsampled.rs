@@ -1,4 +1,4 @@
-//! Selection of as many functions as their rank, and their duals.
+//! Selection of as many functions as their rank, with their duals.
 
 use super::dense::{Dense, dual, rank_revealing};
 use super::{MAX_VERTICES, MultiscaleError, check_length};
@@ -10,13 +10,13 @@ pub struct Downsampled {
     pub kept: Vec<usize>,
     /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|` of the selected functions, scaled to unit length, and their duals.
     pub defect: f64,
-    /// Largest length of a dual: the factor by which an error of a coefficient can grow.
+    /// Largest length of a dual, which is the factor by which an error of a coefficient can grow.
     pub longest_dual: f64,
 }
 
 /// Selects as many of `functions` as their rank and computes their duals. A function is dropped if it is shorter than
-/// `precision` times the longest, or if, scaled to unit length, less than `precision` of it is independent of those
-/// selected before. O(n³). Source: the footnote to Table 1 of `houqin2013`.
+/// `precision` times the longest, or if, scaled to unit length, less than `precision` of it is independent of the
+/// functions selected before. O(n³). Source: the footnote to Table 1 of `houqin2013`.
 ///
 /// # Errors
 /// [`MultiscaleError`] if functions differ in length, are too many, or are not finite.

@@ -3,11 +3,11 @@
 /// Measures of a function on vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Locality {
-    /// Number of vertices with |f| above 1e-6 of its largest value.
+    /// Number of vertices at which |f| is above 1e-6 of its largest value.
     pub support: usize,
     /// Smallest number of vertices that hold 99 % of `Σ|f|`.
     pub core: usize,
-    /// `|Σ f| / Σ |f|`: 0 for an admissible wavelet, 1 for a function of one sign.
+    /// Relative mean `|Σ f| / Σ |f|`: 0 for an admissible wavelet, 1 for a function of one sign.
     pub mean: f64,
 }
 

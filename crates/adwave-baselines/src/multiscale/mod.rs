@@ -20,16 +20,16 @@ use adwave::operator::{Diffusion, NoRows};
 use dense::Dense;
 use thiserror::Error;
 
-/// Largest number of vertices: the bases of the first levels are dense, with eight bytes per entry.
+/// Largest number of vertices; the bases of the first levels are dense, with eight bytes per entry.
 pub const MAX_VERTICES: usize = 6000;
-/// Largest number of levels: the diffusion steps fit into 64 bits.
+/// Largest number of levels, for which the diffusion steps fit into 64 bits.
 pub const MAX_LEVELS: usize = 62;
 
-/// Reasons for which diffusion wavelets cannot be built.
+/// Reason for which diffusion wavelets cannot be built.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MultiscaleError {
-    /// Too many vertices for dense bases.
+    /// The shape has too many vertices for dense bases.
     #[error("dense bases are limited to {most} vertices, got {n}", most = MAX_VERTICES)]
     TooLarge {
         /// Number of vertices.
@@ -61,7 +61,7 @@ pub enum MultiscaleError {
     /// A linear algebra step failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
-    /// Stopped on request.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -79,7 +79,7 @@ pub struct Coefficients {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MultiscaleParams {
-    /// ε: remainder of a column in the rank-revealing QR that counts as zero; T has norm 1.
+    /// Precision ε: remainder of a column in the rank-revealing QR that counts as zero; T has norm 1.
     pub precision: f64,
     /// Largest number of levels; there are fewer if the rank falls to 1.
     pub levels: usize,
@@ -92,7 +92,7 @@ impl Default for MultiscaleParams {
 }
 
 impl MultiscaleParams {
-    /// Sets ε.
+    /// Sets the precision ε.
     #[must_use]
     pub fn with_precision(self, precision: f64) -> Self {
         Self { precision, ..self }
@@ -116,7 +116,7 @@ impl MultiscaleParams {
     }
 }
 
-/// T, and the factors √(nπ) that convert between T and the walk.
+/// Returns T, and the factors √(nπ) that convert between T and the walk.
 fn symmetric_walk(walk: &Diffusion) -> Result<(Dense, Vec<f64>), MultiscaleError> {
     let n = walk.n_vertices();
     if !walk.is_reversible() {

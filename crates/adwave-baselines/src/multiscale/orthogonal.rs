@@ -22,22 +22,22 @@ pub struct DiffusionWavelets {
     levels: Vec<Level>,
 }
 
-/// One level; `None` if its space equals that of the previous level, so that the scaling functions stay and there are
-/// no wavelets.
+/// Bases of one level. They are `None` if its space equals that of the previous level, so that the scaling functions do
+/// not change and there are no wavelets.
 #[derive(Clone, Debug)]
 struct Level(Option<LevelBases>);
 
 #[derive(Clone, Debug)]
 struct LevelBases {
-    /// Scaling functions in those of the previous level.
+    /// Scaling functions in the basis of those of the previous level.
     q: Dense,
-    /// Wavelets in the scaling functions of the previous level.
+    /// Wavelets in the basis of the scaling functions of the previous level.
     w: Dense,
 }
 
 impl DiffusionWavelets {
     /// Builds the wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each
-    /// further one.
+    /// further level.
     ///
     /// # Errors
     /// [`MultiscaleError`].
@@ -48,7 +48,8 @@ impl DiffusionWavelets {
     /// let edges: Vec<_> = (0..9).map(|i| (i, i + 1, 1.0)).collect();
     /// let shape = Shape::Graph(Graph::new(10, &edges)?);
     /// let decomposer = Decomposer::new(&shape);
-    /// let wavelets = DiffusionWavelets::new(decomposer.rows("a basis")?, &MultiscaleParams::default(), Progress::none())?;
+    /// let rows = decomposer.rows("a basis")?;
+    /// let wavelets = DiffusionWavelets::new(rows, &MultiscaleParams::default(), Progress::none())?;
     /// let signal: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
     /// let back = wavelets.synthesize(&wavelets.analyze(&signal)?)?;
     /// assert!(signal.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -84,12 +85,12 @@ impl DiffusionWavelets {
         Ok(Self { root, levels })
     }
 
-    /// Number of levels built.
+    /// Number of levels that were built.
     pub fn n_levels(&self) -> usize {
         self.levels.len()
     }
 
-    /// Number of scaling functions on each level from 0 on: the ranks.
+    /// Number of scaling functions on each level from 0 on, which is the rank.
     pub fn ranks(&self) -> Vec<usize> {
         let mut ranks = vec![self.root.len()];
         for level in &self.levels {
@@ -98,8 +99,8 @@ impl DiffusionWavelets {
         ranks
     }
 
-    /// `f ↦ (⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)`. The map is orthogonal: the squared coefficients sum to n times the
-    /// π-weighted mean square of f.
+    /// Computes the coefficients `(⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)` of a signal f. The map is orthogonal: the squared
+    /// coefficients sum to n times the π-weighted mean square of f.
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -139,7 +140,7 @@ impl DiffusionWavelets {
         Ok(scaling.iter().zip(&self.root).map(|(s, r)| s / r).collect())
     }
 
-    /// The scaling functions of a level (from 0), one after the other, each of unit length in the symmetric form.
+    /// Returns the scaling functions of a level (from 0), one after another, each of unit length in the symmetric form.
     ///
     /// # Panics
     /// If there is no such level.
@@ -147,7 +148,7 @@ impl DiffusionWavelets {
         split(&self.ambient(level))
     }
 
-    /// The wavelets of a level (from 1): a basis of the complement of its space in that of level − 1.
+    /// Returns the wavelets of a level (from 1): a basis of the complement of its space in that of the previous level.
     ///
     /// # Panics
     /// If there is no such level.
@@ -180,7 +181,7 @@ impl DiffusionWavelets {
     }
 }
 
-/// Safety factor between the precision and the smallest eigenvalue, whose bound is an estimate.
+/// Ratio of the smallest eigenvalue, whose bound is an estimate, to the precision above which the rank counts as full.
 const FULL_RANK: f64 = 10.0;
 
 /// Lower bound of the smallest eigenvalue of T, whose largest is 1; 0 if the bound is not positive.

@@ -17,32 +17,32 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NormalScheme {
-    /// Repeated filter; each round takes its weights from the normals of the previous round.
+    /// Repeats the filter; each round takes its weights from the normals of the previous round.
     Local {
         /// Number of rounds.
         iterations: usize,
     },
-    /// `argmin (1 − s)·‖n − P n‖² + s·‖n − n⁰‖²`, where P is the filter with the weights of the noisy normals n⁰.
+    /// Minimizes `(1 − s)·‖n − P n‖² + s·‖n − n⁰‖²`, where P is the filter with the weights of the noisy normals n⁰.
     Global {
-        /// s in (0, 1]: the smaller, the smoother.
+        /// Weight s of the noisy normals, in (0, 1]; the smaller it is, the smoother is the result.
         smoothness: f64,
     },
 }
 
-/// Parameters of [`bilateral_normals`]; the defaults are those in the program of `zhang2015`, which contains this
-/// method too. The authors of the method choose the range weight for each mesh, from 0.2 to 0.6.
+/// Parameters of [`bilateral_normals`]. The defaults are those in the program of `zhang2015`, which contains this
+/// method as well. The authors of the method choose the range weight for each mesh, from 0.2 to 0.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BilateralParams {
-    /// Faces that are averaged over; by default those that share a vertex.
+    /// Faces over which is averaged; by default those that share a vertex.
     pub neighbors: FaceNeighbors,
-    /// σ_c in mean distances of the centroids of faces that share an edge; 1 by default.
+    /// Width σ_c, in mean distances of the centroids of faces that share an edge; 1 by default.
     pub sigma_c: f64,
-    /// σ_s, a distance of unit normals: 2 sin of half the angle between them; 0.35 by default.
+    /// Width σ_s, a distance of unit normals, which is 2 sin of half the angle between them; 0.35 by default.
     pub sigma_s: f64,
     /// Scheme that filters the normals; local with 20 rounds by default.
     pub scheme: NormalScheme,
-    /// Rounds of the vertex update; 10 by default.
+    /// Number of rounds of the vertex update; 10 by default.
     pub vertex_iterations: usize,
     /// Movement of the vertices at the border; fixed by default.
     pub border: Border,
@@ -94,17 +94,17 @@ impl BilateralParams {
     }
 }
 
-/// Accuracy of the global scheme's equations.
+/// Relative residual to which the equations of the global scheme are solved.
 const RESIDUAL: f64 = 1e-8;
 const MAX_CG_ITERATIONS: usize = 100_000;
 
-/// Denoises a mesh by bilateral filtering of its normals; returns positions in model units, in the order of the
-/// shape.
+/// Denoises a mesh by bilateral filtering of its normals; returns positions in model units, in the order of the shape.
 ///
-/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbors g, where A are
-/// the areas and c the centroids of the noisy mesh; then [`update_vertices`](super::update_vertices). Faces without
-/// area start without a normal and without weight, and take the normals of their neighbors. The normals of neighbors
-/// with opposite orientation have the largest possible distance. O(rounds · pairs of neighbors).
+/// The normals are filtered by `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the
+/// neighbors g, where A are the areas and c the centroids of the noisy mesh. Then
+/// [`update_vertices`](super::update_vertices) moves the vertices. Faces without area start without a normal and
+/// without weight, and take the normals of their neighbors. The normals of neighbors with opposite orientation have the
+/// largest possible distance. O(rounds · pairs of neighbors).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -162,8 +162,8 @@ fn local(
     Ok(normals)
 }
 
-/// Solves `((1 − s)·MᵀM + s) n = s·n⁰`, `M = I − D⁻¹KA`, by conjugate gradients. K, the weights without areas, is
-/// symmetric, so that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
+/// Solves `((1 − s)·MᵀM + s) n = s·n⁰`, `M = I − D⁻¹KA`, by conjugate gradients. The matrix K of the weights without
+/// areas is symmetric, so that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
 fn global(
     measures: &FaceGeometry,
     neighbors: &FaceLists,

@@ -5,12 +5,12 @@ use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, cross, norm, subtract, unit};
 use rayon::prelude::*;
 
-/// Largest number of faces at a vertex, because each face lists all faces that share a vertex with it.
+/// Largest number of faces at a vertex; it is limited because each face lists all faces that share a vertex with it.
 const MAX_FACES_AT_VERTEX: usize = 500;
-/// Largest number of neighbors of a face within a radius; the rings nearest to it are kept.
+/// Largest number of neighbors of a face within a radius; the nearest rings are kept.
 const MAX_WITHIN: usize = 500;
 
-/// FaceLists of faces, one after the other.
+/// Lists of faces, stored one after another.
 #[derive(Debug)]
 pub(super) struct FaceLists {
     ends: Vec<usize>,
@@ -37,15 +37,15 @@ impl FaceLists {
     }
 }
 
-/// Triangles with their neighbors; positions change, neighbors stay.
+/// Triangles with their neighbors; positions may change, neighbors do not.
 #[derive(Debug)]
 pub(super) struct Faces<'a> {
     pub(super) triangles: &'a [[u32; 3]],
-    /// The faces at each vertex in ascending order, each once.
+    /// Faces at each vertex, in ascending order, each once.
     pub(super) at_vertex: FaceLists,
 }
 
-/// Area, centroid and normal of each face for given positions.
+/// Area, centroid and normal of each face at given positions.
 #[derive(Debug)]
 pub(super) struct FaceGeometry {
     pub(super) areas: Vec<f64>,
@@ -82,7 +82,7 @@ impl<'a> Faces<'a> {
         self.triangles.len()
     }
 
-    /// Areas, centroids and normals of the faces at the given positions.
+    /// Computes areas, centroids and normals of the faces at the given positions.
     pub(super) fn measure(&self, points: &[Vector]) -> FaceGeometry {
         let geometry_of_triangle = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| points[v as usize]);
@@ -94,7 +94,7 @@ impl<'a> Faces<'a> {
         FaceGeometry { areas, centroids, normals }
     }
 
-    /// Neighbors of each face in ascending order, without the face itself. The relation is symmetric.
+    /// Lists the neighbors of each face in ascending order, without the face itself. The relation is symmetric.
     pub(super) fn neighbors(&self, kind: FaceNeighbors) -> FaceLists {
         FaceLists::new((0..self.len()).into_par_iter().map(|f| self.neighbors_of(f, kind)).collect())
     }
@@ -114,8 +114,8 @@ impl<'a> Faces<'a> {
         found
     }
 
-    /// For each face, itself and the faces around it whose centroids are within `radius` of its own, found by walking
-    /// over shared vertices; at most [`MAX_WITHIN`].
+    /// Lists, for each face, the face itself and the faces around it whose centroids are within `radius` of its own.
+    /// They are found by walking over shared vertices, at most [`MAX_WITHIN`].
     pub(super) fn faces_within_radius(
         &self,
         radius: f64,
@@ -142,7 +142,8 @@ impl<'a> Faces<'a> {
         FaceLists::new((0..self.len()).into_par_iter().map(faces_around).collect())
     }
 
-    /// Pairs of faces across each edge; an edge with more than two faces pairs each face with the next by index.
+    /// Lists the pairs of faces across each edge; an edge with more than two faces pairs each face with the next by
+    /// index.
     pub(super) fn pairs_across_edges(&self) -> Vec<[u32; 2]> {
         let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * self.len());
         for (f, t) in (0_u32..).zip(self.triangles) {
@@ -175,20 +176,20 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// Mean distance of the centroids across edges; 1 if it is 0, so that it can be a divisor.
+/// Mean distance between the centroids across edges; 1 if the mean is 0, so that it can be a divisor.
 pub(super) fn mean_distance(across: &[[u32; 2]], centroids: &[Vector]) -> f64 {
     let distance = |&[f, g]: &[u32; 2]| norm(&subtract(&centroids[f as usize], &centroids[g as usize]));
     let mean = across.iter().map(distance).sum::<f64>() / across.len().max(1) as f64;
     if mean > 0.0 { mean } else { 1.0 }
 }
 
-/// `e^(−d²/2σ²)`.
+/// Computes `e^(−d²/2σ²)` for the distance d between `a` and `b`.
 pub(super) fn gaussian(a: &Vector, b: &Vector, sigma: f64) -> f64 {
     let d = norm(&subtract(a, b)) / sigma;
     (-0.5 * d * d).exp()
 }
 
-/// BilateralWidths of the two weights of a bilateral filter: for the distance of centroids, and for the distance of unit
+/// Widths of the two weights of a bilateral filter: for the distance of centroids, and for the distance of unit
 /// vectors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BilateralWidths {
@@ -196,8 +197,8 @@ pub(super) struct BilateralWidths {
     pub(super) range: f64,
 }
 
-/// `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbors g, where u are the `compared`
-/// vectors; a normal stays if the sum vanishes.
+/// Computes `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbors g, where u are the vectors
+/// `compared`. A normal does not change if the sum vanishes.
 pub(super) fn filter_normals(
     measures: &FaceGeometry,
     normals: &[Vector],

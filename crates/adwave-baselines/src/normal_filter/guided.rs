@@ -10,20 +10,21 @@ use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, add_scaled, norm, subtract, unit};
 use rayon::prelude::*;
 
-/// Parameters of [`guided_normals`]; the defaults are those of its authors' program.
+/// Parameters of [`guided_normals`]; the defaults are those in the program of its authors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GuidedParams {
     /// Radius of the averaged neighborhood, in mean distances of the centroids of faces that share an edge; 2 by
     /// default.
     pub radius: f64,
-    /// σ_s of the distance of centroids, in the same unit; 1 by default.
+    /// Width σ_s for the distance of centroids, in the same unit; 1 by default.
     pub sigma_s: f64,
-    /// σ_r, a distance of the guidance's unit normals: 2 sin of half the angle between them; 0.35 by default.
+    /// Width σ_r, a distance of the guidance's unit normals, which is 2 sin of half the angle between them; 0.35 by
+    /// default.
     pub sigma_r: f64,
-    /// Rounds of normal filtering, each followed by one round of the vertex update; 20 by default.
+    /// Number of rounds of normal filtering, each followed by a vertex update; 20 by default.
     pub normal_iterations: usize,
-    /// Steps of the vertex update in each round; 10 by default.
+    /// Number of steps of the vertex update in each round; 10 by default.
     pub vertex_iterations: usize,
     /// Movement of the vertices at the border; free by default.
     pub border: Border,
@@ -70,19 +71,20 @@ impl GuidedParams {
     }
 }
 
-/// Keeps the consistency of a flat patch finite.
+/// Summand that keeps the consistency of a flat patch finite.
 const EPSILON: f64 = 1e-9;
 
 /// Denoises a mesh by filtering its normals with a guidance; returns positions in model units, in the order of the
 /// shape.
 ///
-/// A patch is a face with all faces that share a vertex with it. Its consistency is `max ‖n_f − n_g‖ · max_e d_e /
-/// Σ_e d_e`, where d_e is the distance of the normals across an inner edge. The guidance u_f is the mean normal of
-/// the most consistent patch that contains f. Then `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f −
-/// u_g‖²/2σ_r²) · n_g)` over the at most 500 faces g within the radius on the noisy mesh, f included; then
-/// [`update_vertices`](super::update_vertices). Every round starts from the normals of the current faces. A corner of
-/// the shape is rounded off if one of its sides is a single triangle there, because all patches of that triangle
-/// contain an edge of the shape. O(rounds · (pairs of neighbors + pairs of faces in patches)).
+/// A patch is a face with all faces that share a vertex with it. Its consistency is
+/// `max ‖n_f − n_g‖ · max_e d_e / Σ_e d_e`, where d_e is the distance of the normals across an inner edge. The guidance
+/// u_f is the mean normal of the most consistent patch that contains f. The normals are filtered by
+/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f − u_g‖²/2σ_r²) · n_g)` over the faces g within the radius
+/// on the noisy mesh, f included, at most 500. Then [`update_vertices`](super::update_vertices) moves the vertices.
+/// Every round starts from the normals of the current faces. A corner of the shape is rounded off if one of its sides
+/// is a single triangle there, because all patches of that triangle contain an edge of the shape. O(rounds · (pairs of
+/// neighbors + pairs of faces in patches)).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -116,11 +118,11 @@ pub fn guided_normals(
     Ok(to_shape_order(geometry, &points, unit))
 }
 
-/// The patches of all faces.
+/// Patches of all faces.
 struct Patches {
-    /// Faces that share a vertex with a face, in ascending order; the face itself belongs to its patch too.
+    /// Faces that share a vertex with each face, in ascending order; the face itself belongs to its patch too.
     around: FaceLists,
-    /// For each face, the faces across its edges that have a larger index.
+    /// Faces across the edges of each face that have a larger index.
     beyond: Vec<Vec<u32>>,
 }
 
@@ -133,7 +135,7 @@ impl Patches {
         Self { around, beyond }
     }
 
-    /// Consistency of a face's patch (smaller is better) and its mean normal.
+    /// Computes the consistency of a face's patch (smaller is better) and its mean normal.
     fn measure(&self, f: usize, measures: &FaceGeometry) -> (f64, Vector) {
         let around = self.around.list(f);
         let distance =
@@ -154,8 +156,8 @@ impl Patches {
         (widest * steepest / (sum + EPSILON), unit(&mean).unwrap_or(measures.normals[f]))
     }
 
-    /// For each face, the mean normal of the most consistent patch that contains it; among equals the patch of the
-    /// face with the smallest index.
+    /// Finds, for each face, the mean normal of the most consistent patch that contains it; among equals, the patch of
+    /// the face with the smallest index.
     fn guidance(&self, measures: &FaceGeometry) -> Vec<Vector> {
         let all: Vec<(f64, Vector)> =
             (0..self.around.len()).into_par_iter().map(|f| self.measure(f, measures)).collect();

@@ -1,13 +1,13 @@
 //! Mesh denoising in two steps: unit normals of the faces are filtered, then vertices follow them.
 //!
 //! Sources: `zheng2011` (bilateral weights), `zhang2015` (weights that compare a guidance instead of the noisy
-//! normals), `sun2007` (the vertices). Strength: flat faces and sharp edges, if the width of the range weight suits
-//! the noise. Weaknesses: that width has to be chosen for each mesh, smooth shapes become facetted, and both methods
+//! normals), `sun2007` (the vertices). Strength: flat faces and sharp edges, if the width of the range weight suits the
+//! noise. Weaknesses: this width has to be chosen for each mesh, smooth shapes become facetted, and both methods
 //! compare the normals of faces that share a vertex, so that strong noise hides edges from them.
 //!
-//! `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbors, areas, centroids and
-//! normals, `vertex_update` the second step. Both methods work on welded vertices and return positions in the order
-//! of the shape.
+//! The modules `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbors, areas,
+//! centroids and normals, and `vertex_update` is the second step. Both methods work on welded vertices and return
+//! positions in the order of the shape.
 
 mod bilateral;
 mod faces;
@@ -25,7 +25,7 @@ use adwave::Cancelled;
 use adwave::shape::PreparedGeometry;
 use thiserror::Error;
 
-/// Reasons for which a mesh cannot be denoised.
+/// Reason for which a mesh cannot be denoised.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum NormalFilterError {
@@ -68,7 +68,7 @@ pub enum NormalFilterError {
     /// The equations of the global scheme could not be solved.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
-    /// Stopped on request.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -101,7 +101,8 @@ fn check_positive(name: &'static str, value: f64) -> Result<(), NormalFilterErro
     Ok(())
 }
 
-/// Welded positions in units of a power of two near the diagonal, so that squared areas stay finite, and that unit.
+/// Returns the welded positions in units of a power of two near the diagonal, so that squared areas stay finite, and
+/// this power.
 fn unit_points(geometry: &PreparedGeometry) -> (Vec<[f64; 3]>, f64) {
     let size = adwave::shape::diagonal(geometry.points());
     let unit = if size > 0.0 { size.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };

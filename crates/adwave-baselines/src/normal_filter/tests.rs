@@ -32,7 +32,7 @@ fn grid(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (points, triangles)
 }
 
-/// Surface of a cube of side `n` made of six grids whose rims are at the same positions.
+/// Surface of a cube of side `n`, made of six grids whose rims are at equal positions.
 fn cube(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let (flat, triangles) = grid(n);
     let side = f64::from(n);
@@ -53,7 +53,7 @@ fn cube(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (points, all)
 }
 
-/// Adds normally distributed noise to every position, the same to equal positions.
+/// Adds normally distributed noise to every position; equal positions get equal noise.
 fn noisy(points: &[[f64; 3]], sigma: f64, only_z: bool) -> Vec<[f64; 3]> {
     let mut order: Vec<[f64; 3]> = points.to_vec();
     order.sort_by(|a, b| a.partial_cmp(b).unwrap());
@@ -68,7 +68,7 @@ fn noisy(points: &[[f64; 3]], sigma: f64, only_z: bool) -> Vec<[f64; 3]> {
     points.iter().map(moved).collect()
 }
 
-/// Mean angle between the normals of two meshes with the same triangles, degrees.
+/// Mean angle between the normals of two meshes with equal triangles, in degrees.
 fn mean_angle(a: &[[f64; 3]], b: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let (a, b) = (face_normals(a, triangles), face_normals(b, triangles));
     let angle = |(a, b): (&Vector, &Vector)| dot(a, b).clamp(-1.0, 1.0).acos().to_degrees();
@@ -190,7 +190,7 @@ fn same_bits_on_any_number_of_threads() {
     assert!(one == on(2) && one == on(3));
 }
 
-/// Name, points and triangles.
+/// Name, points and triangles of a mesh.
 type Case<'a> = (&'a str, Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 #[test]

@@ -14,13 +14,13 @@ pub enum Border {
     /// Border vertices move like all others.
     #[default]
     Free,
-    /// Border vertices stay fixed.
+    /// Border vertices do not move.
     Fixed,
 }
 
-/// Moves the vertices so that the faces take the given normals: `v ← v + mean over its faces of n·(n·(c − v))`, where
-/// c is the face's centroid and n its entry of `normals`; faces whose normal is zero are skipped. The step is
-/// repeated `iterations` times, each from all positions of the previous round (`sun2007`).
+/// Moves the vertices so that the faces take the given normals: `v ← v + mean over its faces of n·(n·(c − v))`, where c
+/// is the face's centroid and n its entry of `normals`. Faces whose normal is zero are skipped. The step is repeated
+/// `iterations` times, each from all positions of the previous round (`sun2007`).
 ///
 /// `normals` are of unit length or zero, one per triangle of the geometry. The returned positions are in model units
 /// and in the order of the shape; vertices at equal positions stay together. O(iterations · triangles).
@@ -60,7 +60,7 @@ pub fn update_vertices(
     Ok(to_shape_order(geometry, &points, unit))
 }
 
-/// Marks the vertices that stay fixed; empty if none does.
+/// Marks the vertices that do not move; empty if all may move.
 pub(super) fn fixed_vertices(faces: &Faces<'_>, n_vertices: usize, border: Border) -> Vec<bool> {
     match border {
         Border::Free => Vec::new(),
@@ -68,7 +68,7 @@ pub(super) fn fixed_vertices(faces: &Faces<'_>, n_vertices: usize, border: Borde
     }
 }
 
-/// One round of [`update_vertices`].
+/// Performs one round of [`update_vertices`].
 pub(super) fn move_vertices(
     faces: &Faces<'_>,
     points: &[Vector],

@@ -6,15 +6,15 @@ use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// The largest degree tried.
+/// Largest degree that is tried.
 const MAX_DEGREE: usize = 16384;
 
-/// `p(λ) = Σ_k c_k T_k(2λ/λ_max − 1)`.
+/// Polynomial `p(λ) = Σ_k c_k T_k(2λ/λ_max − 1)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial {
-    /// c_k; the constant term is not halved.
+    /// Coefficients c_k; the constant term is not halved.
     pub coefficients: Vec<f64>,
-    /// End of the spectrum.
+    /// Upper end λ_max of the spectrum.
     pub lambda_max: f64,
     /// Largest `|p − g|` found on [0, λ_max], sampled at four points per degree.
     pub error: f64,
@@ -47,7 +47,7 @@ impl Polynomial {
         polynomial
     }
 
-    /// `p(λ)`, by Clenshaw's recurrence.
+    /// Evaluates `p(λ)` by Clenshaw's recurrence.
     pub fn value(&self, lambda: f64) -> f64 {
         let y = 2.0 * lambda / self.lambda_max - 1.0;
         let (mut b1, mut b2) = (0.0, 0.0);
@@ -58,7 +58,7 @@ impl Polynomial {
     }
 }
 
-/// Approximates the kernels by polynomials within `accuracy`, trying degrees by doubling.
+/// Approximates the kernels by polynomials within `accuracy`; the degree is doubled until it suffices.
 ///
 /// # Errors
 /// [`SgwtError::Accuracy`].
@@ -80,7 +80,7 @@ pub fn fit(kernels: &Kernels, accuracy: f64) -> Result<Vec<Polynomial>, SgwtErro
         .collect()
 }
 
-/// `p_i(L) f` for all polynomials by one recurrence.
+/// Computes `p_i(L) f` for all polynomials by one recurrence.
 pub(crate) fn apply(
     laplacian: &SymmetricMatrix,
     polynomials: &[Polynomial],
@@ -110,7 +110,7 @@ pub(crate) fn apply(
     Ok(sums)
 }
 
-/// `Σ_i p_i(L) c_i` by Clenshaw's recurrence, one for all polynomials.
+/// Computes `Σ_i p_i(L) c_i` by Clenshaw's recurrence, one recurrence for all polynomials.
 pub(super) fn apply_adjoint(
     laplacian: &SymmetricMatrix,
     polynomials: &[Polynomial],
@@ -138,7 +138,7 @@ pub(super) fn apply_adjoint(
     Ok(b1)
 }
 
-/// `(2L/λ_max − 1) x`.
+/// Computes `(2L/λ_max − 1) x`, with `scale` = 2/λ_max.
 fn apply_shifted(laplacian: &SymmetricMatrix, x: &[f64], scale: f64) -> Vec<f64> {
     let mut y = laplacian.product(x);
     y.iter_mut().zip(x).for_each(|(y, x)| *y = scale * *y - x);

@@ -1,21 +1,21 @@
-//! Spectral graph wavelets from all eigenpairs, on small graphs.
+//! Spectral graph wavelets computed from all eigenpairs, on small graphs.
 
 use super::{Kernels, SgwtError, check};
 use crate::linalg::{SymmetricMatrix, symmetric_eigen};
 
-/// Largest number of vertices: the eigenvectors then take 128 MB.
+/// Largest number of vertices, for which the eigenvectors take 128 MB.
 const MAX_VERTICES: usize = 4000;
 
 /// Kernels of a Laplacian with its full spectrum.
 #[derive(Clone, Debug)]
 pub struct ExactFrame {
     n: usize,
-    /// The kernels.
+    /// Kernels of the frame.
     pub kernels: Kernels,
     /// Eigenvalues in ascending order.
     pub spectrum: Vec<f64>,
     vectors: Vec<f64>,
-    /// A and B: smallest and largest `Σ g_i(λ)²` over the eigenvalues.
+    /// Frame bounds A and B: smallest and largest `Σ g_i(λ)²` over the eigenvalues.
     pub bounds: (f64, f64),
 }
 
@@ -55,7 +55,7 @@ impl ExactFrame {
         x
     }
 
-    /// `c_i = g_i(L) f`, one list per kernel. O(n²) each.
+    /// Computes `c_i = g_i(L) f`, one list per kernel. O(n²) each.
     ///
     /// # Errors
     /// [`SgwtError::Length`].

@@ -3,7 +3,7 @@
 use super::SgwtError;
 use std::f64::consts::PI;
 
-/// Ratio λ_max / λ_min, where the wavelets stop and the scaling function takes over.
+/// Ratio λ_max / λ_min; the scaling function replaces the wavelets below λ_min.
 const LOW_PASS_FACTOR: f64 = 20.0;
 /// Ends of the cubic part of the spline.
 const SPLINE: (f64, f64) = (1.0, 2.0);
@@ -14,13 +14,13 @@ const MAX_KERNELS: usize = 256;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum KernelFamily {
-    /// `g(sλ) = sλ·e^(−sλ)` and a low pass: smooth and therefore of low degree.
+    /// Kernel `g(sλ) = sλ·e^(−sλ)` and a low pass; smooth, so that a low degree suffices.
     MexicanHat,
     /// Spline of `hammond2011`: λ² up to 1, λ⁻² from 2, cubic between, and a low pass.
     Abspline,
-    /// `sin(½π cos²(πλ))` on overlapping halves: a tight frame, A = B = 1.
+    /// Kernel `sin(½π cos²(πλ))` on overlapping halves; a tight frame, A = B = 1.
     Itersine,
-    /// Meyer kernels: a tight frame, A = B = 1, in octaves (`leonardi2013`).
+    /// Meyer kernels in octaves (`leonardi2013`); a tight frame, A = B = 1.
     #[default]
     Meyer,
 }
@@ -30,9 +30,9 @@ pub enum KernelFamily {
 pub struct Kernels {
     /// Family of the kernels.
     pub family: KernelFamily,
-    /// End of the spectrum.
+    /// Upper end λ_max of the spectrum.
     pub lambda_max: f64,
-    /// s of each wavelet kernel in descending order; for itersine the index of the kernel.
+    /// Scale s of each wavelet kernel in descending order; for itersine the index of the kernel.
     pub scales: Vec<f64>,
 }
 
@@ -77,12 +77,12 @@ impl Kernels {
         self.scales.len() + 1
     }
 
-    /// Always false.
+    /// Returns false, because there is always a kernel.
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// `g_i(λ)`; i = 0 is the low pass.
+    /// Evaluates `g_i(λ)`; i = 0 is the low pass.
     pub fn value(&self, i: usize, lambda: f64) -> f64 {
         let lambda_min = self.lambda_max / LOW_PASS_FACTOR;
         let low = |part: f64| (-(lambda / (part * lambda_min)).powi(4)).exp();
@@ -106,7 +106,7 @@ impl Kernels {
     }
 }
 
-/// Coefficients of the cubic between 1 and 2 that joins x² and 4x⁻² with equal slopes.
+/// Coefficients of the cubic polynomial between 1 and 2 that joins x² and 4x⁻² with equal slopes.
 const CUBIC: [f64; 4] = [-5.0, 11.0, -6.0, 1.0];
 
 fn abspline(x: f64) -> f64 {
@@ -119,12 +119,12 @@ fn abspline(x: f64) -> f64 {
     }
 }
 
-/// Largest value of the spline, where the slope of the cubic is 0: 11 − 12x + 3x² = 0.
+/// Largest value of the spline, where the slope of the cubic polynomial is 0: 11 − 12x + 3x² = 0.
 fn abspline_maximum() -> f64 {
     abspline(2.0 - 1.0 / 3.0_f64.sqrt())
 }
 
-/// Meyer's auxiliary function, from 0 at 0 to 1 at 1, `ν(x) + ν(1 − x) = 1`.
+/// Meyer's auxiliary function ν, from 0 at 0 to 1 at 1, with `ν(x) + ν(1 − x) = 1`.
 fn nu(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x.powi(4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * x.powi(3))

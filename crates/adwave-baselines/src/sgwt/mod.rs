@@ -23,7 +23,7 @@ use adwave::Progress;
 use adwave::operator::Diffusion;
 use thiserror::Error;
 
-/// Reasons for which a frame cannot be built or applied.
+/// Reason for which a frame cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SgwtError {
@@ -83,11 +83,12 @@ pub enum SgwtError {
 #[derive(Clone, Debug)]
 pub struct Frame {
     laplacian: SymmetricMatrix,
-    /// The kernels.
+    /// Kernels of the frame.
     pub kernels: Kernels,
-    /// `p_i ≈ g_i`, all of one degree.
+    /// Polynomials `p_i ≈ g_i`, one per kernel.
     pub polynomials: Vec<Polynomial>,
-    /// A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], computed from the kernels and the polynomials' errors.
+    /// Frame bounds A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], computed from the kernels and the errors of the
+    /// polynomials.
     pub bounds: (f64, f64),
 }
 
@@ -95,8 +96,8 @@ pub struct Frame {
 const POINTS: usize = 20_000;
 
 impl Frame {
-    /// Builds the frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0,
-    /// λ_max], so that coefficients are within `accuracy·‖f‖`.
+    /// Builds the frame of `kernels` on a positive semi-definite `laplacian`. Each kernel is approximated within
+    /// `accuracy` on [0, λ_max], so that coefficients have an error of at most `accuracy·‖f‖`.
     ///
     /// # Errors
     /// [`SgwtError::Accuracy`], [`SgwtError::NoFrame`].
@@ -132,7 +133,7 @@ impl Frame {
         Ok(Self { laplacian, kernels, polynomials, bounds: (low, high) })
     }
 
-    /// `c_i = p_i(L) f`, one list per kernel. All kernels share one recurrence.
+    /// Computes `c_i = p_i(L) f`, one list per kernel. All kernels share one recurrence.
     ///
     /// # Errors
     /// [`SgwtError::Length`]; [`SgwtError::Linalg`] if cancelled.
@@ -142,7 +143,7 @@ impl Frame {
             .map_err(LinalgError::from)?)
     }
 
-    /// `Σ_i p_i(L) c_i`, the adjoint of the analysis.
+    /// Computes `Σ_i p_i(L) c_i`, the adjoint of the analysis.
     ///
     /// # Errors
     /// [`SgwtError::Length`]; [`SgwtError::Linalg`] if cancelled.
@@ -159,7 +160,7 @@ impl Frame {
     /// iterations of conjugate gradients on `Σ p_i(L)²`.
     ///
     /// # Errors
-    /// [`SgwtError`] for wrong lengths, no convergence within the cap, or when cancelled.
+    /// [`SgwtError`] for wrong lengths, if the iteration does not converge, and on cancellation.
     pub fn inverse(
         &self,
         coefficients: &[Vec<f64>],
@@ -185,8 +186,8 @@ fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
     if expected == got { Ok(()) } else { Err(SgwtError::Length { expected, got }) }
 }
 
-/// `Π^½ (I − Q) Π^(−½)` of a reversible `walk`, where Q is its non-lazy part: symmetric, with its spectrum in [0, 2].
-/// Also returns `√(nπ)`, by which a signal is multiplied before and divided after. O(entries).
+/// Computes `Π^½ (I − Q) Π^(−½)` of a reversible `walk`, where Q is its non-lazy part: symmetric, with its spectrum in
+/// [0, 2]. Also returns `√(nπ)`, by which a signal is multiplied before and divided after. O(entries).
 ///
 /// # Errors
 /// [`SgwtError::NotReversible`].
@@ -206,9 +207,9 @@ pub fn normalized_laplacian(walk: &Diffusion) -> Result<(SymmetricMatrix, Vec<f6
     Ok((SymmetricMatrix::from_halves(n, &entries)?, root))
 }
 
-/// Upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the sum
-/// of the largest Ritz value of 60 Lanczos steps and its residual. The latter is not a proof, but Lanczos finds the
-/// top of a spectrum first, and the 1 % leaves room for an error.
+/// Upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the sum of
+/// the largest Ritz value of 60 Lanczos steps and its residual. The latter is not a proof, but Lanczos finds the top of
+/// a spectrum first, and the 1 % leaves room for an error.
 pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
     const STEPS: usize = 60;
     const ROOM: f64 = 1.01;

@@ -23,11 +23,11 @@ fn grid(width: u32) -> SymmetricMatrix {
 const FAMILIES: [KernelFamily; 4] =
     [KernelFamily::MexicanHat, KernelFamily::Abspline, KernelFamily::Itersine, KernelFamily::Meyer];
 
-/// Twice the error of each of the two kernels that overlap.
+/// Bound of the error of a tight frame: twice the error of each of the two kernels that overlap.
 const TIGHT: f64 = 4e-6;
 
-/// The second derivative of the spline and of itersine jumps, so that the error of a polynomial falls only as
-/// 1/degree².
+/// Accuracy for a family. The second derivative of the spline and of itersine jumps, so that the error of a polynomial
+/// falls only as 1/degree².
 fn accuracy(family: KernelFamily) -> f64 {
     if matches!(family, KernelFamily::Abspline | KernelFamily::Itersine) { 9e-7 } else { 1e-8 }
 }

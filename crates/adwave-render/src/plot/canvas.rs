@@ -1,4 +1,4 @@
-//! Drawing surface of every chart: SVG or pixels.
+//! Drawing surface of all charts: SVG or pixels.
 
 use super::{MAX_SIDE, MIN_SIDE, PlotError};
 use crate::picture::Picture;
@@ -39,7 +39,7 @@ pub(super) fn picture(drawn: &impl Drawable, width: u32, height: u32) -> Result<
     Ok(Picture { width, height, rgba })
 }
 
-/// Registers the font exactly once.
+/// Guard that registers the font exactly once.
 static FONT: Once = Once::new();
 
 fn prepare(drawn: &impl Drawable, width: u32, height: u32) -> Result<(), PlotError> {

@@ -20,11 +20,11 @@ pub enum AxisScale {
 /// Axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChartAxis {
-    /// Label with the unit.
+    /// Label of the axis, with the unit.
     pub label: String,
-    /// Scale.
+    /// Scale of the axis.
     pub scale: AxisScale,
-    /// Labels at 0, 1, 2 … instead of numbers; for a linear horizontal axis.
+    /// Labels at 0, 1, 2 … that replace the numbers, for a linear horizontal axis; empty for numbers.
     pub names: Vec<String>,
 }
 
@@ -32,15 +32,15 @@ pub struct ChartAxis {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Mark {
-    /// A line through its points.
+    /// Line through the points.
     #[default]
     Line,
-    /// A line with a dot at each point.
+    /// Line through the points with a dot at each.
     Points,
-    /// A bar to each point from 0, or from the lower end of a logarithmic axis; bars of several series are drawn side
-    /// by side.
+    /// Bar to each point from 0, or from the lower end of a logarithmic axis; bars of several series are drawn side by
+    /// side.
     Bars,
-    /// A thin line to each point from there, with a dot.
+    /// Thin line with a dot to each point, from the start of a bar.
     Stems,
 }
 
@@ -102,8 +102,8 @@ impl Chart {
         self.series.iter().filter(|s| s.mark == Mark::Bars).count()
     }
 
-    /// Half the width shared by the bars at one position, in units of the horizontal axis or as a factor if it is
-    /// logarithmic: 0.4 of the smallest distance between positions.
+    /// Half the width shared by the bars at one position: 0.4 of the smallest distance between positions, in units of
+    /// the horizontal axis, or of its natural logarithm if the axis is logarithmic.
     pub(super) fn half_slot(&self) -> f64 {
         let log = self.x.scale == AxisScale::Log10;
         let bars = self.series.iter().filter(|s| s.mark == Mark::Bars);
@@ -115,7 +115,7 @@ impl Chart {
         0.4 * if least.is_finite() { least } else { 1.0 }
     }
 
-    /// Range of the horizontal axis.
+    /// Range of the horizontal axis, with margins.
     pub(super) fn x_range(&self) -> Range<f64> {
         let (low, high) = self.extremes(0);
         let slot = if self.n_bars() > 0 { 1.4 * self.half_slot() } else { 0.0 };
@@ -131,7 +131,7 @@ impl Chart {
         }
     }
 
-    /// Range of the vertical axis; a linear one with bars or stems starts at 0.
+    /// Range of the vertical axis, with margins; a linear axis with bars or stems includes 0.
     pub(super) fn y_range(&self) -> Range<f64> {
         let (low, high) = self.extremes(1);
         match self.y.scale {

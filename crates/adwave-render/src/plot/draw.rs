@@ -8,8 +8,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Colors that are distinguishable with all kinds of color vision. Source: Okabe and Ito, "Color universal design",
-/// 2008.
+/// Colors that can be told apart with all kinds of color vision. Source: Okabe and Ito, "Color universal design", 2008.
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -142,7 +141,7 @@ where
     Ok(())
 }
 
-/// Largest font size at which no name is wider than its slot.
+/// Largest font size, at most `size`, at which no name is wider than its slot in pixels.
 fn fit_font_size<B: DrawingBackend>(
     names: &[String],
     area: &Area<B>,
@@ -156,7 +155,8 @@ fn fit_font_size<B: DrawingBackend>(
     Ok((size * slot.saturating_sub(size / 3) / widest).clamp(7, size))
 }
 
-/// Draws the title and, below it, the series with their colors in as many rows as needed; returns the lower end.
+/// Draws the title and, below it, the names and colors of the series in as many rows as needed; returns the lower end
+/// in pixels.
 fn legend<B: DrawingBackend>(chart: &Chart, area: &Area<B>, size: u32) -> Result<u32, PlotError> {
     let failed = |e: &dyn std::fmt::Display| PlotError::drawing(e);
     let line = 3 * size as i32 / 2;

@@ -1,8 +1,8 @@
 //! Charts of lines, points, bars and stems, and the patterns of sparse matrices, as SVG and as pixels.
 //!
 //! A [`Chart`] is one pair of axes, a [`Sheet`] several charts, a [`SparsityPattern`] the positions of a matrix's
-//! entries. Axes, ticks and both backends come from plotters; the legend is our own, because that library can only
-//! draw it over the curves.
+//! entries. Axes, ticks and both backends come from plotters. The legend is drawn here, because plotters can only draw
+//! it over the curves.
 
 mod canvas;
 mod chart;
@@ -25,7 +25,7 @@ const MAX_SIDE: u32 = 8192;
 /// Smallest number of pixels per side of a chart.
 const MIN_SIDE: u32 = 64;
 
-/// Reasons for which a chart cannot be drawn.
+/// Reason for which a chart cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlotError {

@@ -6,7 +6,7 @@ use crate::picture::Picture;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A dark square for each entry of a matrix, row 0 at the top, with the matrix size and the number of entries below.
+/// Dark square for each entry of a matrix, with row 0 at the top, and the matrix size and the number of entries below.
 ///
 /// A matrix with more rows or columns than pixels is drawn in cells of several entries; the darkness of a cell is the
 /// filled fraction, with a minimum that keeps single entries visible.

@@ -1,7 +1,7 @@
 //! Formatting of tick labels.
 
-/// Formats a tick of an axis of length `span`: four digits or those that the span needs, with a power of ten if it is
-/// far from 1.
+/// Formats a tick of an axis of length `span`: with four digits or as many as the span needs, and with a power of ten
+/// if the value is far from 1.
 pub(super) fn number(value: f64, span: f64) -> String {
     let size = value.abs();
     // Rounding remainder of adding up steps to 0.

@@ -4,7 +4,7 @@ use super::TILE;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty if left > right.
+/// Rectangle of pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty if left > right.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelBox(pub(crate) [i32; 4]);
 
@@ -20,10 +20,10 @@ impl PixelBox {
     }
 }
 
-/// Primitives processed between two checks of the progress handle.
+/// Number of primitives processed between two checks of the progress handle.
 const CHECK_INTERVAL: usize = 1 << 14;
 
-/// Primitives of each tile in ascending order, so that the drawing order is always the same.
+/// Primitives of each tile in ascending order, so that the order of drawing is always the same.
 pub(crate) struct Bins {
     first: Vec<usize>,
     primitives: Vec<u32>,

@@ -3,22 +3,23 @@
 use super::{PixelBox, TileSamples};
 use crate::vector::Direction;
 
-/// Disc seen at a slant, or ball.
+/// Disc seen at a slant, or a ball.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Disc {
-    /// Center in samples.
+    /// Center, in samples; x to the right, y down.
     pub(crate) x: f32,
     pub(crate) y: f32,
     pub(crate) near: f32,
     /// Radius in samples.
     pub(crate) radius: f32,
-    /// Increase of nearness one radius toward the viewer.
+    /// Increase of nearness per radius toward the viewer.
     pub(crate) near_per_radius: f32,
     /// Normal of the disc in the viewer's axes; `None` for a ball.
     pub(crate) normal: Option<Direction>,
 }
 
-/// Smallest slant at which a disc is drawn, so that a disc seen from the side stays visible.
+/// Smallest cosine between a disc's normal and the direction toward the viewer, so that a disc seen from the side stays
+/// visible.
 const MIN_FACING: f32 = 0.35;
 
 impl Disc {
@@ -30,12 +31,12 @@ impl Disc {
         PixelBox([low[0], low[1], high[0], high[1]].map(|c| c.div_euclid(samples)))
     }
 
-    /// At least one sample wide, so that no point is lost.
+    /// Drawn radius in samples, large enough that no point is lost.
     fn reach(&self) -> f32 {
         self.radius.max(0.75)
     }
 
-    /// Height of the surface toward the viewer at an offset from the center, in radii; `None` outside.
+    /// Height of the surface toward the viewer at an offset (u, v) from the center, all in radii; `None` outside.
     fn height(&self, u: f32, v: f32) -> Option<f32> {
         let flat = u * u + v * v;
         match self.normal {

@@ -11,10 +11,10 @@ pub(crate) use triangle::{Corner, Triangle};
 /// Side of a tile in pixels; the samples of a tile fit into the processor's cache.
 pub(crate) const TILE: usize = 32;
 
-/// Index that stands for no primitive.
+/// Index that represents no primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// Samples of one tile, in rows of `side`.
+/// Samples of one tile, row by row.
 pub(crate) struct TileSamples {
     /// Number of samples per side.
     pub(crate) side: usize,
@@ -22,9 +22,9 @@ pub(crate) struct TileSamples {
     pub(crate) left: i32,
     /// Top edge in samples.
     pub(crate) top: i32,
-    /// Nearness of the nearest primitive; 0 is infinitely far.
+    /// Nearness of the nearest primitive at each sample; 0 is infinitely far.
     pub(crate) near: Vec<f32>,
-    /// Index of the nearest primitive.
+    /// Index of the nearest primitive at each sample.
     pub(crate) id: Vec<u32>,
 }
 
@@ -40,7 +40,8 @@ impl TileSamples {
         }
     }
 
-    /// Clips `low..=high` (in samples of the picture) to this tile and returns the ranges of rows and columns.
+    /// Clips the box from `low` to `high` (column and row in samples of the picture, both included) to this tile, and
+    /// returns the ranges of columns and rows of the tile; `None` if they are empty.
     fn clip(&self, low: [i32; 2], high: [i32; 2]) -> Option<[[i32; 2]; 2]> {
         let last = self.side as i32 - 1;
         let x = [(low[0] - self.left).max(0), (high[0] - self.left).min(last)];
@@ -48,7 +49,7 @@ impl TileSamples {
         (x[0] <= x[1] && y[0] <= y[1]).then_some([x, y])
     }
 
-    /// Sets the sample to `id` if it is nearer than the present one; of equally near primitives the first stays.
+    /// Sets the sample to `id` if it is nearer than the present primitive; of equally near primitives the first stays.
     fn offer(&mut self, at: usize, near: f32, id: u32) {
         if near > self.near[at] {
             self.near[at] = near;

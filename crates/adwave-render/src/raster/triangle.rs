@@ -2,8 +2,8 @@
 
 use super::{PixelBox, TileSamples};
 
-/// Subsample grid for corners: integer coordinates make the edge test of two adjacent triangles exact, so that no
-/// sample between them is missed.
+/// Number of steps of the grid for corners per sample. Integer coordinates make the edge tests of two adjacent
+/// triangles exact, so that no sample between them is missed.
 const STEPS: i64 = 256;
 
 /// Corner on the subsample grid.
@@ -41,7 +41,7 @@ impl Triangle {
         self.doubled_area() < 0
     }
 
-    /// First and last sample center inside the bounding box, as columns and rows.
+    /// First and last sample centers inside the bounding box, as columns and rows.
     fn sample_box(&self) -> [[i32; 2]; 2] {
         let range = |c: [i32; 3]| {
             let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
@@ -99,8 +99,8 @@ impl Triangle {
         }
     }
 
-    /// Barycentric weights at a sample position, within [0, 1], on the surface itself: with perspective the nearer
-    /// corners weigh more than in the picture.
+    /// Barycentric weights at a sample position, in [0, 1], on the triangle in space. With perspective, nearer corners
+    /// weigh more than in the picture.
     pub(crate) fn weights(&self, x: f32, y: f32, perspective: bool) -> [f32; 3] {
         let [a, b, c] = self.0.map(Corner::position);
         let cross = |p: [f32; 2], q: [f32; 2]| (p[0] - x) * (q[1] - y) - (p[1] - y) * (q[0] - x);
@@ -120,7 +120,7 @@ impl Triangle {
     }
 }
 
-/// Twice the area of p, q and (x, y).
+/// Twice the signed area of the triangle p, q, (x, y), in squared grid units.
 fn edge(p: Corner, q: Corner, x: i64, y: i64) -> i64 {
     let (px, py) = (i64::from(p.x), i64::from(p.y));
     (i64::from(q.x) - px) * (y - py) - (i64::from(q.y) - py) * (x - px)

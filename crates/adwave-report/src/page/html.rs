@@ -1,20 +1,20 @@
-//! From a page to HTML.
+//! Conversion of a page to HTML.
 
 use super::image::data_uri;
 use super::{Block, Fact, Figure, ImageKind, Legend, Link, Page, Section, Source, Tone, Verdict};
 use crate::table::Table;
 use std::fmt::Write as _;
 
-/// Tables with more rows are linked, not shown.
+/// Largest number of rows of a table that is shown; larger tables are only linked.
 const MAX_ROWS: usize = 24;
-/// Cells of up to this many letters are not broken.
+/// Largest number of characters of a cell that is not broken.
 const SHORT_CELL: usize = 28;
-/// With more sections, the table of contents is a list instead of a line.
+/// Largest number of sections for which the table of contents is a line; with more it is a list.
 const MAX_IN_A_LINE: usize = 9;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Longer code may be broken between lines.
+/// Largest number of characters of code that is not broken between lines.
 const LONG_CODE: usize = 36;
 
 /// Content security policy of a page without other files.
@@ -181,7 +181,7 @@ fn legend(legend: &Legend) -> String {
     }
 }
 
-/// HTML of a table; `link` has the attributes of its link.
+/// Converts a table to HTML; `link` has the attributes of its link.
 fn numbers(table: &Table, link: &str) -> String {
     let mut text = format!(
         "<div class=\"table\">\n<p>{} <a{link}>{}</a></p>\n",
@@ -221,7 +221,7 @@ fn numbers(table: &Table, link: &str) -> String {
     text + "</div>\n"
 }
 
-/// Returns true for a cell that is aligned to the right: a number, with or without a unit, or an empty cell.
+/// True for a cell that is aligned to the right: a number, with or without a unit, or an empty cell.
 fn is_number(cell: &str) -> bool {
     cell.trim_start_matches(['-', '−', '+', '–', '≥', '≤', '<', ' '])
         .chars()
@@ -235,7 +235,7 @@ fn files(links: &[Link]) -> String {
     format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>())
 }
 
-/// A relative path as a link. Characters that could end the attribute or start a scheme are percent-encoded.
+/// Converts a relative path to a link. Characters that could end the attribute or start a scheme are percent-encoded.
 fn path(path: &str) -> String {
     let mut text = String::new();
     for byte in path.bytes() {
@@ -248,7 +248,7 @@ fn path(path: &str) -> String {
     text
 }
 
-/// HTML of text with code between backticks, and subscripts.
+/// Converts text to HTML, with code between backticks and with subscripts.
 fn prose(text: &str) -> String {
     if text.matches('`').count() % 2 == 1 {
         return subscripts(text);
@@ -261,8 +261,8 @@ fn prose(text: &str) -> String {
     text.split('`').enumerate().map(part).collect()
 }
 
-/// Escaped text in which the j of `W_j`, `S_j`, `n_j` and `σ_j`, the number of a level, or `(j−1)` is a subscript. Names such as `scan_1.obj`
-/// or `S_1.obj` do not change.
+/// Escapes text and sets subscripts: the j of `W_j`, `S_j`, `n_j` and `σ_j`, the number of a level in its place, or
+/// `(j−1)`. Names such as `scan_1.obj` or `S_1.obj` do not change.
 fn subscripts(text: &str) -> String {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);

@@ -17,7 +17,7 @@ pub const DARK_BACKGROUND: [u8; 3] = [20; 3];
 /// JPEG quality at which shading has no visible blocks.
 const QUALITY: u8 = 86;
 
-/// A picture that cannot be put into a page.
+/// Failure to encode a picture for a page.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("a picture of {width}x{height} pixels cannot be encoded: {reason}")]
 pub struct ImageError {
@@ -25,7 +25,7 @@ pub struct ImageError {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Reason.
+    /// Reason of the failure.
     pub reason: String,
 }
 
@@ -39,11 +39,11 @@ impl ClassifiedError for ImageError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ImageKind {
-    /// Lossless pixels.
+    /// PNG, lossless.
     Png,
-    /// Shaded pixels in few bytes, with loss.
+    /// JPEG, lossy but small; for shaded surfaces.
     Jpeg,
-    /// A chart on white, which dark mode inverts.
+    /// SVG of a chart on white, which dark mode inverts.
     Svg,
 }
 
@@ -55,17 +55,17 @@ pub enum Source {
     Embedded {
         /// Bytes for light mode.
         light: Vec<u8>,
-        /// Bytes for dark mode; empty if they are the same.
+        /// Bytes for dark mode; empty if they equal those for light mode.
         dark: Vec<u8>,
     },
-    /// A file; the path is relative to the page, with `/` between folders.
+    /// Path of a file, relative to the page, with `/` between folders.
     File(String),
 }
 
-/// An encoded picture.
+/// Encoded picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
-    /// Encoding.
+    /// Encoding of the picture.
     pub kind: ImageKind,
     /// Width in pixels; 0 if unknown.
     pub width: u32,
@@ -76,13 +76,13 @@ pub struct Image {
 }
 
 impl Image {
-    /// An embedded chart.
+    /// Embeds a chart.
     pub fn svg(text: String, width: u32, height: u32) -> Self {
         let source = Source::Embedded { light: text.into_bytes(), dark: Vec::new() };
         Self { kind: ImageKind::Svg, width, height, source }
     }
 
-    /// A picture in a file with the content `bytes`; `path` is relative to the page.
+    /// Links a picture in a file with the content `bytes`; `path` is relative to the page.
     pub fn from_file(path: String, kind: ImageKind, bytes: &[u8]) -> Self {
         let (width, height) = match kind {
             ImageKind::Svg => svg_size(bytes).unwrap_or_default(),
@@ -97,8 +97,8 @@ impl Image {
 
     /// Embeds a picture with a transparent background, composited on the background of each mode.
     ///
-    /// JPEG has no transparency, and a PNG of a shaded surface takes five times as many bytes: two JPEGs are the smallest encoding that looks
-    /// right in both modes.
+    /// JPEG has no transparency, and a PNG of a shaded surface takes five times as many bytes. Two JPEGs are therefore
+    /// the smallest encoding that looks right in both modes.
     ///
     /// # Errors
     /// [`ImageError`].
@@ -110,7 +110,7 @@ impl Image {
         Ok(Self { kind: ImageKind::Jpeg, width: picture.width, height: picture.height, source })
     }
 
-    /// Data URI of the bytes.
+    /// Returns the data URI of bytes with this encoding.
     pub(super) fn uri(&self, bytes: &[u8]) -> String {
         let mime = match self.kind {
             ImageKind::Png => "image/png",
@@ -133,7 +133,7 @@ fn svg_size(bytes: &[u8]) -> Option<(u32, u32)> {
     Some((side("width")?, side("height")?))
 }
 
-/// `data:MIME;base64,…`.
+/// Returns the data URI of bytes: `data:MIME;base64,…`.
 pub(super) fn data_uri(mime: &str, bytes: &[u8]) -> String {
     format!("data:{mime};base64,{}", STANDARD.encode(bytes))
 }

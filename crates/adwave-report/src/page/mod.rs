@@ -1,5 +1,5 @@
-//! A page of sections with pictures and tables, as an HTML file without scripts that opens from a disk, without a network, on narrow and
-//! wide screens, in light and dark mode. Pictures are embedded, or files in the same folder.
+//! Pages of sections with pictures and tables. A page is an HTML file without scripts that opens from a disk, without a
+//! network, on narrow and wide screens, in light and dark mode. Pictures are embedded, or files in the same folder.
 
 mod html;
 mod image;
@@ -8,7 +8,7 @@ pub use image::{DARK_BACKGROUND, Image, ImageError, ImageKind, LIGHT_BACKGROUND,
 
 use crate::table::Table;
 
-/// A page of sections.
+/// Page of sections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Page {
     /// Title of the page.
@@ -21,10 +21,10 @@ pub struct Page {
     pub footer: String,
 }
 
-/// A section of a page.
+/// Section of a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Section {
-    /// Anchor of links: letters and digits, unique on the page.
+    /// Anchor for links: letters and digits, unique on the page.
     pub id: String,
     /// Title of the section.
     pub title: String,
@@ -33,7 +33,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section without content.
+    /// Creates a section without content.
     pub fn new(id: &str, title: impl Into<String>) -> Self {
         Self { id: id.to_owned(), title: title.into(), blocks: Vec::new() }
     }
@@ -54,29 +54,29 @@ impl Section {
     }
 }
 
-/// A block of a section.
+/// Block of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Block {
     /// Text. Words between backticks are set as code, and the j of `W_j`, `S_j`, `n_j` and `σ_j` as a subscript.
     Paragraph(String),
-    /// A note.
+    /// Note, which is set off from the text.
     Note(String),
-    /// A verdict and its reasons.
+    /// Verdict with its reasons.
     Verdict(Verdict),
     /// Names with their values.
     Facts(Vec<Fact>),
     /// Pictures side by side, or below each other on a narrow screen.
     Gallery(Vec<Figure>),
-    /// A table with a link that saves it as CSV; of a long table only the link.
+    /// Table with a link that saves it as CSV; only the link for a long table.
     Table(Table),
-    /// A table with a link to a CSV file in the folder of the page.
+    /// Table with a link to a CSV file in the folder of the page.
     TableWithFile(Table, String),
     /// Links to files in the folder of the page.
     Files(Vec<Link>),
 }
 
-/// A verdict.
+/// Verdict with its reasons.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
     /// Color of the headline.
@@ -98,27 +98,27 @@ pub enum Tone {
     Bad,
 }
 
-/// A name, its value, and what the value means.
+/// Name, value and meaning of a quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fact {
     /// Name of the quantity.
     pub name: String,
-    /// A number with its unit, or a word.
+    /// Number with its unit, or a word.
     pub value: String,
     /// Explanation; may be empty.
     pub meaning: String,
 }
 
-/// A picture with its caption.
+/// Picture with its caption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
     /// Encoded picture.
     pub image: Image,
-    /// Text alternative.
+    /// Text shown instead of the picture.
     pub alt: String,
-    /// Caption.
+    /// Caption below the picture.
     pub caption: String,
-    /// Legend of the colors.
+    /// Legend of the colors, if the picture shows a field.
     pub legend: Option<Legend>,
     /// File in the folder of the page that a click on the picture opens.
     pub link: Option<String>,
@@ -128,9 +128,9 @@ pub struct Figure {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Legend {
-    /// A range of values.
+    /// Range of values.
     Bar {
-        /// Name and unit.
+        /// Name and unit of the values.
         label: String,
         /// Value of the first color.
         low: String,
@@ -139,11 +139,11 @@ pub enum Legend {
         /// Colors from first to last, evenly spaced.
         colors: Vec<[u8; 3]>,
     },
-    /// One meaning per color.
+    /// Colors with their meanings.
     Keys(Vec<([u8; 3], String)>),
 }
 
-/// A link to a file in the folder of the page.
+/// Link to a file in the folder of the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Link {
     /// Path relative to the page, with `/` between folders.
@@ -153,7 +153,7 @@ pub struct Link {
 }
 
 impl Page {
-    /// The page as an HTML file. O(bytes).
+    /// Converts the page to an HTML file. O(bytes).
     ///
     /// ```
     /// use adwave_report::page::{Page, Section};

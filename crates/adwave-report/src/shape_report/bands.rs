@@ -1,4 +1,4 @@
-//! The bands section: widths, energies and pictures of the bands.
+//! Bands section: widths, energies and pictures of the bands.
 
 use super::Subject;
 use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
@@ -15,7 +15,7 @@ const CHART: (u32, u32) = (420, 300);
 /// Statistics of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandSummary {
-    /// j, from 1.
+    /// Level j, from 1.
     pub level: usize,
     /// Number of steps n_j.
     pub steps: f64,
@@ -23,16 +23,16 @@ pub struct BandSummary {
     pub sigma: f64,
     /// Root mean square of W_j, weighted by area, in units of the signal.
     pub rms: f64,
-    /// Largest ‖W_j‖ of a vertex, in units of the signal.
+    /// Largest ‖W_j‖ at a vertex, in units of the signal.
     pub max: f64,
     /// Mean square of W_j divided by the variance of the signal; NaN for a constant signal.
     pub energy_share: f64,
-    /// Share of W_j in the variance of the signal ([`Bands::shares`](adwave::bands::Bands::shares)); all and that of the rest
-    /// sum to 1. NaN for a constant signal.
+    /// Share of W_j in the variance of the signal ([`Bands::shares`](adwave::bands::Bands::shares)). These shares and
+    /// that of the rest sum to 1; NaN for a constant signal.
     pub variance_share: f64,
     /// Mean square of W_j divided by the sum over all bands; NaN for a constant signal.
     pub detail_share: f64,
-    /// Loss when the bands 1 … j are dropped: the largest ‖f − S_j‖ of a vertex, in units of the signal.
+    /// Loss when the bands 1 … j are dropped: the largest ‖f − S_j‖ at a vertex, in units of the signal.
     pub greatest_loss: f64,
     /// Root mean square of ‖f − S_j‖, weighted by area, in units of the signal.
     pub rms_loss: f64,
@@ -71,7 +71,7 @@ fn select_levels(n_levels: usize) -> Vec<usize> {
     (0..n).map(|k| 1 + (2 * k * (n_levels - 1) + n - 1) / (2 * (n - 1)).max(1)).collect()
 }
 
-/// Mean squares weighted by the areas of the vertices, which are 0 where the signal has no value.
+/// Variances and mean squares, weighted by the areas of the vertices, which are 0 where the signal has no value.
 struct BandEnergies {
     /// Variance of the signal.
     total: f64,
@@ -238,7 +238,7 @@ fn losses(subject: &Subject<'_>, bands: &[BandSummary]) -> Table {
     table.drop_empty_columns()
 }
 
-/// Chart of the energy by level; `None` if fewer than two levels have any.
+/// Chart of the energy of each level; `None` if fewer than two levels have energy.
 fn energy_chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>, String> {
     let strong = bands.iter().filter(|b| b.detail_share > 0.0);
     let Some(most) = strong.clone().max_by(|a, b| a.detail_share.total_cmp(&b.detail_share)) else {
@@ -272,7 +272,7 @@ fn energy_chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<F
     chart_figure(&chart, &format!("A bar chart of the energy of each band: {alt}."), caption).map(Some)
 }
 
-/// Chart of the standard deviation after each level; `None` for the shape itself, of which nearly everything remains.
+/// Chart of the standard deviation after each level; `None` for coordinates, of which nearly everything remains.
 fn decay_chart(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
     let (bands, areas) = (subject.bands, subject.decomposer.areas());
     let rms = |signal: &[f64]| weighted_variance(signal, bands.n_channels, &areas).sqrt();
@@ -307,7 +307,7 @@ fn decay_chart(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
     chart_figure(&chart, &alt, caption).map(Some)
 }
 
-/// A chart as a figure of the page.
+/// Converts a chart to a figure of the page.
 fn chart_figure(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> {
     let svg = chart.svg(CHART.0, CHART.1).map_err(|e| e.to_string())?;
     Ok(Figure {

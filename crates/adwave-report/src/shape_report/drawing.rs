@@ -14,24 +14,24 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Instant;
 
-/// Side of a picture in pixels: sharp on a narrow screen, and about 30 kB.
+/// Side of a picture in pixels, sharp on a narrow screen; a picture takes about 30 kB.
 const SIDE: u32 = 560;
 /// Number of empty rows above and below the shape.
 const MARGIN: u32 = 10;
-/// Smallest height of a picture.
+/// Smallest height of a picture, in pixels.
 const MIN_HEIGHT: u32 = 160;
-/// Shapes with more vertices are thinned out before they are drawn.
+/// Number of vertices above which a shape is thinned out before it is drawn.
 const MAX_VERTICES: usize = 250_000;
-/// Number of cells along the diagonal, each of which keeps one vertex: a cell is about as wide as a pixel.
+/// Number of cells along the diagonal, each of which keeps one vertex; a cell is about as wide as a pixel.
 const CELLS: f64 = 800.0;
-/// Number of colors in the bar of a legend; a browser interpolates between them.
+/// Number of colors in the bar of a legend; browsers interpolate between them.
 const N_STOPS: u32 = 16;
 
-/// The shape as it is drawn, with the camera.
+/// Shape as it is drawn, with the camera.
 pub(crate) struct Studio<'a> {
     points: &'a [[f64; 3]],
     triangles: Vec<[u32; 3]>,
-    /// Vertices that are drawn; `None` if all are.
+    /// Indices of the drawn vertices; `None` if all are drawn.
     drawn_vertices: Option<Vec<u32>>,
     view: View,
     up: Up,
@@ -42,20 +42,20 @@ pub(crate) struct Studio<'a> {
 
 /// Content of a picture.
 pub(crate) struct PictureSpec<'a> {
-    /// Positions of the vertices, if not those of the shape.
+    /// Positions of the vertices, in model units; `None` for those of the shape.
     pub(crate) points: Option<Cow<'a, [[f64; 3]]>>,
     /// Field that colors the shape.
     pub(crate) field: Option<FieldLook>,
-    /// Balls that are drawn with it.
+    /// Balls that are drawn with the shape.
     pub(crate) balls: Vec<Ball>,
-    /// Text alternative.
+    /// Text shown instead of the picture.
     pub(crate) alt: String,
-    /// Caption.
+    /// Caption below the picture.
     pub(crate) caption: String,
 }
 
 impl<'a> PictureSpec<'a> {
-    /// The shape in one color.
+    /// Describes a picture of the shape in one color.
     pub(crate) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
     }
@@ -76,10 +76,10 @@ impl<'a> PictureSpec<'a> {
     }
 }
 
-/// Positions and values of the vertices that are drawn.
+/// Positions and values of the drawn vertices.
 type DrawnValues<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
 
-/// A field with its colors.
+/// Field with its name and colors.
 pub(crate) struct FieldLook {
     values: Vec<f64>,
     label: String,
@@ -95,21 +95,21 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// Scale from 0 to the quantile `share` of the values.
+    /// Creates a scale from 0 to the quantile `share` of the values.
     pub(crate) fn from_zero(values: &[f64], share: f64) -> Self {
         Self::new(0.0, value_range(values, 0.0, share).1)
     }
 
-    /// Scale symmetric about 0, up to the quantile `share` of the absolute values.
+    /// Creates a scale symmetric about 0, up to the quantile `share` of the absolute values.
     pub(crate) fn about_zero(values: &[f64], share: f64) -> Self {
         let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
         let most = value_range(&sizes, 0.0, share).1;
         Self::new(-most, most)
     }
 
-    /// Scale from the 1st to the 99th percentile; symmetric about 0 for a field with both signs.
+    /// Creates a scale from the 1st to the 99th percentile, or symmetric about 0 for a field with both signs.
     pub(crate) fn from_percentiles(values: &[f64]) -> Self {
-        /// A field has both signs if its smaller side reaches this share of its larger side.
+        /// Ratio of the smaller to the larger magnitude of the ends above which a field has both signs.
         const BOTH_SIGNS: f64 = 0.1;
         let (low, high) = value_range(values, 0.01, 0.99);
         if -low > BOTH_SIGNS * high.max(0.0) && high > BOTH_SIGNS * (-low).max(0.0) {
@@ -133,7 +133,7 @@ impl Scale {
 }
 
 impl FieldLook {
-    /// A field with one value per vertex; `label` has its name and unit.
+    /// Creates a field from one value per vertex; `label` has its name and unit.
     pub(crate) fn new(values: Vec<f64>, label: impl Into<String>, scale: Scale) -> Self {
         Self { values, label: label.into(), scale }
     }
@@ -184,7 +184,7 @@ impl<'a> Studio<'a> {
         })
     }
 
-    /// Returns true if the shape has positions.
+    /// True if the shape has positions.
     pub(crate) fn can_draw(&self) -> bool {
         !self.points.is_empty()
     }
@@ -194,7 +194,7 @@ impl<'a> Studio<'a> {
         self.up
     }
 
-    /// Number of vertices that are drawn; `None` if all are.
+    /// Number of drawn vertices; `None` if all are drawn.
     pub(crate) fn n_drawn(&self) -> Option<usize> {
         self.drawn_vertices.as_ref().map(Vec::len)
     }
@@ -204,25 +204,25 @@ impl<'a> Studio<'a> {
         self.n_pictures
     }
 
-    /// Seconds of drawing so far.
+    /// Seconds spent on drawing so far.
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// Draws pictures with the same camera, so that they can be compared; none for a shape without positions.
+    /// Draws pictures with one camera, so that they can be compared; none for a shape without positions.
     ///
     /// # Errors
-    /// A message, if they cannot be drawn.
+    /// A message if they cannot be drawn.
     pub(crate) fn draw(&mut self, specs: &[PictureSpec<'_>]) -> Result<Vec<Figure>, String> {
         let start = Instant::now();
         let pictures = self.pictures(self.view, specs)?;
         self.figures(start, &pictures, specs)
     }
 
-    /// Draws `front` as [`draw`](Self::draw) does and `back` from the opposite side, all of the same height.
+    /// Draws `front` like [`draw`](Self::draw), and `back` from the opposite side; all pictures have the same height.
     ///
     /// # Errors
-    /// A message, if they cannot be drawn.
+    /// A message if they cannot be drawn.
     pub(crate) fn draw_both(
         &mut self,
         front: Vec<PictureSpec<'_>>,
@@ -315,7 +315,7 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// Values of the vertices that are drawn.
+    /// Selects the values of the drawn vertices.
     fn select_drawn<'v, T: Copy>(&self, values: &'v [T]) -> Cow<'v, [T]>
     where
         [T]: ToOwned<Owned = Vec<T>>,
@@ -327,7 +327,7 @@ impl<'a> Studio<'a> {
     }
 }
 
-/// Rows that are not empty in all pictures, with a margin.
+/// Range of the rows that are used in a picture, with a margin.
 fn used_rows(pictures: &[Picture]) -> Range<u32> {
     let is_used = |row: &[u8]| row.chunks_exact(4).any(|pixel| pixel[3] > 0);
     let row = 4 * SIDE as usize;
@@ -340,8 +340,8 @@ fn used_rows(pictures: &[Picture]) -> Range<u32> {
     first.saturating_sub(room)..(last + 1 + room).min(SIDE)
 }
 
-/// Thins out a mesh for drawing: the first vertex of each cell of width `cell`, by ascending index, and the distinct triangles whose corners are
-/// in three cells. The details that it drops are smaller than a pixel.
+/// Thins out a mesh for drawing: keeps the first vertex of each cell of width `cell` (model units), by ascending index,
+/// and the distinct triangles whose corners are in three cells. The details that it drops are smaller than a pixel.
 fn thin_out(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],

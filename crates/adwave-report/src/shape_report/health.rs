@@ -1,4 +1,4 @@
-//! The health of a shape: its parts, its irregularities, and their effect on the bands.
+//! Health section: parts and irregularities of a shape, and their effect on the bands.
 
 use super::Subject;
 use crate::page::{Block, Fact, Section, Tone, Verdict};
@@ -22,7 +22,7 @@ fn fact(name: &str, value: impl Into<String>, meaning: &str) -> Fact {
     Fact { name: name.to_owned(), value: value.into(), meaning: meaning.to_owned() }
 }
 
-/// Irregularities that the shape has, with their counts and effects.
+/// Lists the irregularities of the shape, with their counts and effects.
 fn irregularities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let n_masked = subject.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
     let counts = [

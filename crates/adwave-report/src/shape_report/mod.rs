@@ -1,4 +1,4 @@
-//! The report of one shape: its health, bands, saliency, features, presets and timings.
+//! Report of one shape: its health, bands, saliency, features, presets and timings.
 //!
 //! Every shape with a diffusion operator has a report. A section that does not apply to a shape explains why.
 
@@ -26,13 +26,13 @@ use adwave::{Cancelled, Decomposer, Progress};
 use adwave_render::{Up, View};
 use drawing::Studio;
 
-/// Name of the coordinates as a signal.
+/// Name of the signal that consists of the coordinates.
 pub const COORDS: &str = "coords";
 
-/// Name of the difference between two versions of a shape as a signal.
+/// Name of the signal that is the difference between two versions of a shape.
 pub const DIFFERENCE: &str = "difference";
 
-/// Number of sections, for progress.
+/// Number of sections that count for progress.
 const N_SECTIONS: u64 = 6;
 
 /// Subject of a report: a shape with a signal that is decomposed into bands.
@@ -44,7 +44,7 @@ pub struct Subject<'a> {
     pub format: &'a str,
     /// Names of the fields in the file.
     pub fields: &'a [String],
-    /// The shape itself.
+    /// Shape itself.
     pub shape: &'a Shape,
     /// Prepared geometry and diffusion operator. Vertices where the signal is NaN are masked.
     pub decomposer: &'a Decomposer,
@@ -60,12 +60,12 @@ pub struct Subject<'a> {
     pub levels_reason: &'a str,
     /// Command that makes the report.
     pub command: &'a str,
-    /// Seconds of the steps before the report.
+    /// Names and seconds of the steps before the report.
     pub seconds: &'a [(&'a str, f64)],
 }
 
 impl Subject<'_> {
-    /// Returns true if the signal is the positions of the vertices.
+    /// True if the signal consists of the positions of the vertices.
     fn is_geometry(&self) -> bool {
         self.signal == COORDS && self.shape.points().is_some() && self.bands.n_channels == 3
     }
@@ -94,7 +94,7 @@ impl Subject<'_> {
         if self.shape.is_graph() { "nodes" } else { "vertices" }
     }
 
-    /// Formats a point to a ten-thousandth of the size of the shape.
+    /// Formats a point, with a precision of a ten-thousandth of the size of the shape.
     fn position(&self, point: [f64; 3]) -> String {
         // For a shape without extent this is infinite; the cast saturates.
         let decimals = 4_i32.saturating_sub(self.decomposer.extent().log10().floor() as i32);
@@ -107,7 +107,7 @@ impl Subject<'_> {
         point.map(cell).join(", ")
     }
 
-    /// A width in % of the diagonal; NaN if the diagonal is 0.
+    /// Converts a width in model units to % of the diagonal; NaN if the diagonal is 0.
     fn percent(&self, width: f64) -> f64 {
         let diagonal = self.decomposer.extent();
         if diagonal > 0.0 { 100.0 * width / diagonal } else { f64::NAN }
@@ -121,7 +121,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Name of the signal, between bars if the norm is meant.
+    /// Name of the signal, between bars if its norm is shown.
     pub(crate) fn scalar_name(&self) -> String {
         if self.bands.n_channels == 1 { self.signal.to_owned() } else { format!("|{}|", self.signal) }
     }
@@ -130,28 +130,28 @@ impl Subject<'_> {
 /// Viewpoint of the pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Viewpoint {
-    /// Direction of the view; the second picture of a shape is from the opposite side.
+    /// Direction of the view, `None` for the default; the second picture of a shape is from the opposite side.
     pub view: Option<View>,
     /// Axis that points up.
     pub up: Up,
 }
 
-/// The report of a shape.
+/// Report of a shape, and its numbers.
 #[derive(Clone, Debug)]
 pub struct ShapeReport {
-    /// The HTML page.
+    /// HTML page.
     pub page: Page,
     /// Numbers of the health section.
     pub health: Health,
-    /// One entry per level.
+    /// Statistics of the bands, one entry per level.
     pub bands: Vec<BandSummary>,
-    /// The saliency map in numbers; `None` if there are too few levels.
+    /// Statistics of the saliency map; `None` if it could not be computed.
     pub saliency: Option<SaliencySummary>,
-    /// The features; `None` if there are too few levels.
+    /// Features; `None` if they could not be computed.
     pub features: Option<FeatureSummary>,
-    /// One entry per preset.
+    /// Effects of the presets, one entry per preset.
     pub presets: Vec<PresetSummary>,
-    /// Seconds of each step, those of [`Subject::seconds`] first.
+    /// Names and seconds of the steps, those of [`Subject::seconds`] first.
     pub seconds: Vec<(String, f64)>,
     /// Number of pictures of the shape on the page.
     pub n_pictures: usize,

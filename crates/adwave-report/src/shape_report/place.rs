@@ -1,12 +1,12 @@
-//! Places in words, and patches of connected vertices.
+//! Descriptions of places in words, and patches of connected vertices.
 
 use super::Subject;
 use adwave_render::Up;
 
-/// Words for an axis are omitted if the extent of the shape along it is at most this share of its longest side.
+/// Share of the longest side up to which the extent along an axis is too small for words about this axis.
 const FLAT: f64 = 0.05;
 
-/// Describes positions on a shape as seen from its front.
+/// Describer of positions on a shape, as seen from its front.
 pub(super) struct Places {
     low: [f64; 3],
     high: [f64; 3],
@@ -15,7 +15,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// `None` for a shape without positions.
+    /// Prepares the descriptions; `None` for a shape without positions.
     pub(super) fn new(subject: &Subject<'_>, up: Up) -> Option<Self> {
         let (low, high) = adwave::shape::bounding_box(subject.shape.points()?)?;
         let axes = match up {
@@ -26,7 +26,7 @@ impl Places {
         Some(Self { low, high, axes })
     }
 
-    /// Third of the bounding box that a point is in, such as `top, left, front`; middle thirds are omitted.
+    /// Names the third of the bounding box that a point is in, such as `top, left, front`; middle thirds are omitted.
     pub(super) fn words(&self, p: &[f64; 3]) -> String {
         const NAMES: [[&str; 2]; 3] = [["bottom", "top"], ["left", "right"], ["back", "front"]];
         let size = |k: usize| self.high[k] - self.low[k];
@@ -49,7 +49,7 @@ impl Places {
     }
 }
 
-/// A connected set of welded vertices.
+/// Connected set of welded vertices.
 pub(super) struct Patch {
     /// Vertex with the largest value.
     pub(super) peak: usize,
@@ -59,7 +59,7 @@ pub(super) struct Patch {
     pub(super) sum: f64,
 }
 
-/// Patches of welded vertices whose values exceed a threshold, the one with the largest sum first.
+/// Finds the patches of welded vertices whose values exceed a threshold, the patch with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
     let neighbors = subject.decomposer.neighbors();
     let mut unvisited: Vec<bool> = values.iter().map(|&v| v > threshold).collect();

@@ -1,4 +1,4 @@
-//! The presets section: the effect of each preset filter.
+//! Presets section: the effect of each preset filter.
 
 use super::Subject;
 use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
@@ -13,7 +13,7 @@ use std::time::Instant;
 pub struct PresetSummary {
     /// Name of the preset.
     pub name: &'static str,
-    /// Gains g_1 … g_J.
+    /// Gains g_1 … g_J of the bands, fine to coarse.
     pub gains: Vec<f64>,
     /// Root mean square of the change at a vertex, in units of the signal.
     pub rms: f64,
@@ -21,19 +21,19 @@ pub struct PresetSummary {
     pub max: f64,
     /// Vertex with the largest change; `None` if no vertex changes.
     pub vertex: Option<usize>,
-    /// Volume after the preset divided by the volume before, for a closed surface whose positions are the signal.
+    /// Ratio of the volume after the preset to the volume before, for a closed surface whose positions are the signal.
     pub volume_ratio: Option<f64>,
-    /// Seconds of the computation.
+    /// Seconds spent on the computation.
     pub seconds: f64,
 }
 
-/// Result of a preset.
+/// Result of a preset: its effect, and the signal after it.
 struct PresetResult {
     summary: PresetSummary,
     values: Vec<f64>,
 }
 
-/// The section of the presets; `volume` is that of the original shape, if it encloses one.
+/// Makes the section; `volume` is that of the original shape, if it encloses one.
 pub(super) fn section(
     subject: &Subject<'_>,
     studio: &mut Studio<'_>,

@@ -1,4 +1,4 @@
-//! The saliency section: where the signal stands out over all levels.
+//! Saliency section: places where the signal stands out over all levels.
 
 use super::Subject;
 use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
@@ -12,23 +12,23 @@ use std::time::Instant;
 
 /// Share of the vertices that count as salient.
 const TOP: f64 = 0.05;
-/// A map whose largest value, in means of a level, is below this consists of rounding errors.
+/// Largest value of a map, in means of a level, below which the map consists of rounding errors.
 const NOTHING: f64 = 1e-9;
 /// Largest number of patches in the table.
 const MAX_PATCHES: usize = 8;
 
-/// The saliency map in numbers.
+/// Statistics of the saliency map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SaliencySummary {
     /// Vertex with the largest value; `None` for a constant map.
     pub vertex: Option<usize>,
-    /// Largest value.
+    /// Largest value of the map.
     pub largest: f64,
     /// Number of patches that the most salient 5 % of the vertices form.
     pub n_patches: usize,
-    /// Share of these patches in the sum of the map.
+    /// Share of the sum of the map that lies in these patches.
     pub top_share: f64,
-    /// Seconds of the computation.
+    /// Seconds spent on the computation.
     pub seconds: f64,
 }
 
@@ -90,7 +90,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     (section, Some(summary))
 }
 
-/// Adds the definition of the map, and how the normals were oriented.
+/// Adds the definition of the map, and the orientation of the normals.
 fn describe_map(section: &mut Section, outward: Option<&OutwardInfo>, is_signed: bool) {
     section.say(format!(
         "The sum of {} over the levels. Each level is divided by the mean of |W_j| and weighted by its unevenness, so that a level on \

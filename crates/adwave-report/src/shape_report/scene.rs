@@ -1,4 +1,4 @@
-//! The shape section: the shape from two sides, and the signal on it.
+//! Shape section: the shape from two sides, and the signal on it.
 
 use super::Subject;
 use super::drawing::{FieldLook, PictureSpec, Scale, Studio};

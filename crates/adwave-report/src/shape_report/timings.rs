@@ -1,4 +1,4 @@
-//! The timings section.
+//! Timings section: seconds of each step.
 
 use super::Subject;
 use crate::page::{Block, Section};
