@@ -4,7 +4,6 @@ use crate::call::run;
 use crate::error;
 use crate::options;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, FWHM};
-use adwave::features::{FEATURE_EXTENT, FeatureParams};
 use adwave::filter::Preset;
 use adwave::region::parse_region;
 use adwave::saliency::SALIENCY_EXTENT;
@@ -19,10 +18,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(check_region, module)?)?;
     module.add("ACCURACY", BandsParams::default().accuracy)?;
     module.add("FWHM", FWHM)?;
-    module.add("THETA", FeatureParams::default().theta)?;
     let extent = PyDict::new(module.py());
     extent.set_item("bands", DEFAULT_EXTENT)?;
-    extent.set_item("features", FEATURE_EXTENT)?;
     extent.set_item("saliency", SALIENCY_EXTENT)?;
     module.add("EXTENT", extent)
 }

@@ -9,12 +9,12 @@ use crate::shape::ShapeData;
 use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Outliers, SharedNoise, denoise, denoise_signal};
 use adwave::features::{
-    CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
-    features,
+    Feature, FeatureParams, Refinement, Response, ShapeCoordinates, ThresholdScope, coordinate_features,
+    describe, features,
 };
 use adwave::measure::{agreement, center_distance};
 use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
-use adwave::shape::{PreparedGeometry, Shape};
+use adwave::shape::PreparedGeometry;
 use adwave::vector::Axis;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -121,7 +121,7 @@ fn saliency_map<'py>(
 /// The smallest response of a feature, and the largest number of features.
 #[derive(FromPyObject)]
 struct FeatureThreshold {
-    theta: f64,
+    theta: Option<f64>,
     best: Option<usize>,
 }
 
@@ -168,18 +168,16 @@ fn find_features<'py>(
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
-    let is_shape_of_cloud = request.signal.is_none()
-        && params.response != Response::Channels
-        && decomposer.shape().is_some_and(Shape::is_cloud);
+    let is_significant = request.signal.is_none() && params.finds_significant(decomposer);
     let work = |p: Progress<'_>| {
-        let (found, wavelets) = if is_shape_of_cloud {
-            let coordinates = CloudCoordinates {
+        let (found, wavelets) = if is_significant {
+            let coordinates = ShapeCoordinates {
                 points: decomposer.points().unwrap_or_default(),
                 normals: own.normals.as_deref(),
                 schedule: &schedule,
                 bands,
             };
-            let found = stage(cloud_features(decomposer, &coordinates, &params, p))?;
+            let found = stage(coordinate_features(decomposer, &coordinates, &params, p))?;
             (found.features, found.wavelets)
         } else {
             let request = own.request(signal, &schedule, &bands, p);

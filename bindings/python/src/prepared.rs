@@ -121,6 +121,11 @@ impl Prepared {
         self.decomposer.n_vertices()
     }
 
+    /// Share of the extent that the last level for features reaches by default.
+    fn feature_extent(&self) -> f64 {
+        adwave::features::feature_extent(&self.decomposer)
+    }
+
     #[getter]
     fn operator(&self) -> &'static str {
         self.decomposer.operator_kind().name()

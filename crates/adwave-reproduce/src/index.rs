@@ -13,7 +13,7 @@ pub(crate) fn html(made: &[ReproducedFigure]) -> String {
                 .to_owned(),
         ],
         sections: made.iter().map(section).collect(),
-        footer: format!("ReproducedFigure by adwave {}.", env!("CARGO_PKG_VERSION")),
+        footer: format!("Reproduced by adwave {}.", env!("CARGO_PKG_VERSION")),
     };
     page.html()
 }

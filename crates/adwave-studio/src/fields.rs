@@ -7,13 +7,13 @@ use crate::response::{
 use crate::session::Session;
 use adwave::Progress;
 use adwave::bands::BandsParams;
-use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features, features};
+use adwave::features::{Feature, FeatureParams, ShapeCoordinates, coordinate_features, features};
 use adwave::saliency::saliency_f32;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
 use serde_json::{Value, json};
 
-/// Origin of a field, which decides on what the page may do with it.
+/// Origin of a field, which determines the actions that the page offers for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FieldOrigin {
     /// Computed from the edited shape.
@@ -48,12 +48,12 @@ impl FieldInfo {
         &self.name
     }
 
-    /// Tells whether the values are computed from the shape.
+    /// True if the values are computed from the shape.
     pub(crate) fn is_computed(&self) -> bool {
         matches!(self.origin, FieldOrigin::EditedShape | FieldOrigin::Bands)
     }
 
-    /// The description in the list of the fields of a shape.
+    /// Returns the description of the field for the list of fields of a shape.
     pub(crate) fn to_json(&self) -> Value {
         json!({
             "name": self.name,
@@ -157,7 +157,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
     Ok(bytes_response_with_header(content, "x-field", &description))
 }
 
-/// Responds with a field as regions use it: computed on the original shape, with its own dyadic levels.
+/// Responds with a field in the form that regions use: computed on the original shape, with its own dyadic levels.
 pub(crate) fn region_field_response(session: &Session, name: &str) -> ApiResult {
     let prepared = session.lock_prepared()?;
     let known = list_fields(session, prepared.n_levels());
@@ -176,8 +176,8 @@ fn norm(components: impl Iterator<Item = f64>) -> f32 {
     components.map(|c| c * c).sum::<f64>().sqrt() as f32
 }
 
-/// Largest relative error of the bands behind a saliency map. The map is then off by less than one of its 256 color
-/// steps; for the built-in creature by a tenth of one, at 50 000 and at a million vertices.
+/// Largest relative error of the bands from which a saliency map is computed. The error of the map is then less than
+/// one of its 256 color steps; for the built-in creature it is a tenth of a step, at 50 000 and at a million vertices.
 const COLOR_ACCURACY: f64 = 3e-3;
 
 /// Computes the saliency of the edited positions with the diffusion of the original shape, at the accuracy of colors.
@@ -200,13 +200,13 @@ fn cloud_feature_list(
     params: &FeatureParams,
 ) -> Result<Vec<Feature>, ApiError> {
     let normals = adwave_io::file_normals(&session.file());
-    let coordinates = CloudCoordinates {
+    let coordinates = ShapeCoordinates {
         points: &prepared.points,
         normals: normals.as_deref(),
         schedule: &prepared.schedule,
         bands: BandsParams::default(),
     };
-    let found = cloud_features(&prepared.decomposer, &coordinates, params, Progress::none());
+    let found = coordinate_features(&prepared.decomposer, &coordinates, params, Progress::none());
     Ok(found.map_err(|e| ApiError::from_classified(&e))?.features)
 }
 

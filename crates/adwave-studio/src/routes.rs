@@ -1,4 +1,4 @@
-//! Handlers of the requests; see `PROTOCOL.md`.
+//! Handlers of the requests, which `PROTOCOL.md` describes.
 
 use crate::document::Document;
 use crate::pose::{Follow, ReshapedBy, encode_carried};
@@ -24,9 +24,9 @@ use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Largest body of an edit or a region in bytes; holds thousands of strokes.
+/// Largest body of an edit or a region, in bytes; it holds thousands of strokes.
 const MAX_BODY: usize = 64 << 20;
-/// Largest uploaded file in bytes.
+/// Largest uploaded file, in bytes.
 const MAX_UPLOAD: usize = 2 << 30;
 
 pub(crate) type StudioState = State<Arc<Studio>>;
@@ -100,7 +100,7 @@ async fn upload_shape(State(studio): StudioState, Query(query): QueryParams, bod
     run_blocking(studio, move |studio| studio.pool.install(|| read(studio))).await
 }
 
-/// Converts the error of an uploaded file; for an unknown format the page links to the list of supported ones.
+/// Converts the error of an uploaded file. For an unknown format it includes the list of readable formats.
 fn upload_error(name: &str, error: &ReadError) -> ApiError {
     if !matches!(error, ReadError::UnknownFormat { .. }) {
         return ApiError::bad_request(format!("{name}: {error}"));
@@ -144,7 +144,7 @@ async fn send_triangles(State(studio): StudioState, Path(id): Path<u64>) -> Resp
     .await
 }
 
-/// Sends the input of distances along the surface: positions in double precision, and the index of the welded point of
+/// Sends the input for distances along the surface: positions in double precision, and the index of the welded point of
 /// each vertex.
 async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     with_shape(studio, id, |session| {
@@ -180,7 +180,7 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
     .await
 }
 
-/// Describes new levels and the edit with the gains of these levels.
+/// Describes new levels, and the edit with the gains for these levels.
 fn describe_levels(prepared: &PreparedShape) -> serde_json::Value {
     json!({"levels": prepared.level_infos(), "choice": prepared.levels_request(), "edit": prepared.document})
 }
@@ -347,7 +347,7 @@ async fn add_fields(
     .await
 }
 
-/// Sends the bands of a field; other requests are answered while they are computed.
+/// Sends the bands of a field; other requests are answered while the bands are computed.
 async fn send_field_bands(
     State(studio): StudioState,
     Path(id): Path<u64>,
@@ -382,7 +382,7 @@ async fn send_features(
     Query(query): QueryParams,
 ) -> Response {
     with_shape(studio, id, move |session| {
-        let default = adwave::features::FeatureParams::default().theta;
+        let default = adwave::features::DEFAULT_THETA;
         let theta = query.get("theta").map_or(Ok(default), |theta| theta.parse());
         let theta = theta.map_err(|_| ApiError::bad_request("theta must be a number"))?;
         fields::feature_response(session, theta)

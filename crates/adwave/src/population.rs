@@ -44,6 +44,11 @@ impl<'a> Population<'a> {
         self.areas.map_or(1.0, |areas| areas[x])
     }
 
+    /// Sum of the weights.
+    pub(crate) fn total(&self) -> f64 {
+        self.total
+    }
+
     pub(crate) fn is_masked(&self, x: usize) -> bool {
         self.masked.as_ref().is_some_and(|masked| masked[x])
     }

@@ -18,7 +18,7 @@ from adwave._layout import Layout, region_weights
 from adwave._native import FWHM
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Shape
+from adwave._shape import Shape, as_shape
 from adwave._unknown import refuse_unknown
 from adwave._viewer import bands_html
 
@@ -583,7 +583,7 @@ class Bands(NDArrayOperatorsMixin):
         return shape.with_points(points)
 
     def _has_plain_vertices(self) -> bool:
-        """Tells whether no vertices are welded or masked: then an edit needs these bands alone."""
+        """True if no vertices are welded or masked, so that an edit needs only these bands."""
         if self._is_plain is None:
             signal = self._request.signal
             has_gaps = signal is not None and bool(np.isnan(signal).any())
@@ -644,7 +644,7 @@ def _at_rows(weights: Any, rows: NDArray[np.intp]) -> Any:
 
 
 def as_domain(given: object) -> object:
-    """What carries a signal: a `Walk` as the `Decomposer` of its states, anything else as it is.
+    """Returns the carrier of a signal: a `Walk` as the `Decomposer` of its states, any other object unchanged.
 
     Every function that takes a shape takes a walk by this.
 
@@ -659,10 +659,13 @@ def as_domain(given: object) -> object:
     return given if own is None else own(given)
 
 
-def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: LevelsLike = None) -> Decomposer:
+def prepare_decomposer(
+    shape: object, operator: OperatorLike = None, levels: LevelsLike = None, *, analysis: bool = False
+) -> Decomposer:
     """A `Decomposer` of a shape; of one that is given, the operator that suits the levels.
 
-    Without a kind, levels by width take heat on the surface unless an option of the walk is given.
+    Without a kind, levels by width, and the analysis of a mesh (saliency and features), take heat on the surface unless an
+    option of the walk is given.
 
     Raises
     ------
@@ -671,7 +674,7 @@ def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: Lev
     """
     shape = as_domain(shape)
     if isinstance(shape, Decomposer):
-        own = shape.for_levels(levels)
+        own = shape.for_levels(levels, analysis=analysis)
         if operator is not None and as_operator(operator) not in (
             as_operator(own.operator),
             own._options,
@@ -683,8 +686,10 @@ def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: Lev
             )
         return own
     options = as_operator(operator)
-    by_width = isinstance(levels, Widths) and not options.needs_walk()
-    return Decomposer(shape, operator=options.with_default_kind("surface" if by_width else "walk"))
+    shape = as_shape(shape)
+    needs_surface = isinstance(levels, Widths) or (analysis and shape.kind == "mesh")
+    is_surface = needs_surface and not options.needs_walk()
+    return Decomposer(shape, operator=options.with_default_kind("surface" if is_surface else "walk"))
 
 
 def edit_layers(gains: GainsLike, where: Where, n_vertices: int) -> list[tuple[Any, Any]]:

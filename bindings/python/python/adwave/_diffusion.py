@@ -56,7 +56,7 @@ class PreparedShape:
         self._by_width: Any = None
         self._last_masked: Any = None
 
-    def for_levels(self: _Prepared, levels: LevelsLike) -> _Prepared:
+    def for_levels(self: _Prepared, levels: LevelsLike, *, analysis: bool = False) -> _Prepared:
         """This shape with the operator that suits these levels, unless it was prepared with one: heat for widths.
 
         The second operator is prepared when it is first needed.
@@ -65,6 +65,8 @@ class PreparedShape:
         ----------
         levels : int, Widths, Steps or Octaves, optional
             Levels as in `adwave.decompose`.
+        analysis : bool
+            True for saliency and features: heat for all levels of a mesh, so that its triangles do not matter.
 
         Examples
         --------
@@ -73,7 +75,8 @@ class PreparedShape:
         >>> prepared.for_levels(4).operator, prepared.for_levels(aw.Widths(fwhm=[0.2])).operator
         ('walk', 'surface')
         """
-        if not isinstance(levels, Widths) or not self.chooses_operator:
+        needs_surface = isinstance(levels, Widths) or (analysis and self.shape.kind == "mesh")
+        if not needs_surface or not self.chooses_operator:
             return self
         if self._by_width is None:
             other = type(self)(self.shape, operator=self._options.with_default_kind("surface"))
@@ -82,7 +85,7 @@ class PreparedShape:
 
     @property
     def chooses_operator(self) -> bool:
-        """Whether each request chooses the operator that suits its levels, because none was given."""
+        """True if each request chooses the operator that suits its levels, because none was given."""
         return self._given_walk is None and self._options.kind is None and not self._options.needs_walk()
 
     @property

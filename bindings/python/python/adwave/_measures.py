@@ -180,7 +180,7 @@ def saliency(
     options = options or SaliencyOptions()
     part = read_part("saliency", shape, selection, _SALIENCY, signal)
     levels = levels_of(levels, selection)
-    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels, analysis=True)
     signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
     owner, values, _ = decomposer._resolve_signal(signal)
@@ -196,7 +196,8 @@ def saliency(
 class Features(np.ndarray):
     """Features as a structured array of vertex, position, level, sigma, response, strength, sign and channel.
 
-    sigma is the size of a feature: the rms width of its level, in model units.
+    sigma is the size of a feature: the rms width of its level, or near it, in model units. strength is in standard
+    deviations of what the mesh and noise can cause; for Algorithm 2 it is in multiples of the mean of the level.
 
     Attributes
     ----------
@@ -277,7 +278,7 @@ class FeatureOptions:
 class FeatureThreshold:
     """Threshold and number of features, as the extension takes them."""
 
-    theta: float
+    theta: Union[float, None]
     best: Union[int, None]
 
 
@@ -285,7 +286,7 @@ def features(
     shape: object,
     signal: SignalLike = None,
     *,
-    theta: float = _native.THETA,
+    theta: float | None = None,
     best: int | None = None,
     options: FeatureOptions | None = None,
     levels: LevelsLike = None,
@@ -294,10 +295,11 @@ def features(
     progress: ProgressLike = None,
     **selection: Unpack[SignalOptions],
 ) -> Features:
-    """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
+    """Find the places where a level stands out among its neighbors in space and in scale.
 
-    For the coordinates of a cloud the response is the part of a band along the normal, and only features that stand out
-    against the drawing of the points and noise are returned: flat and round clouds have none.
+    For the coordinates of a mesh or a cloud the response is the part of a band along the normal, and only features that
+    stand out against the triangles or the drawing of the points, and against noise, are returned: plain shapes have none.
+    Other signals, ``theta``, and ``operator="walk"`` on a mesh give Algorithm 2 of the paper.
 
     Parameters
     ----------
@@ -305,8 +307,9 @@ def features(
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     signal : str or array_like, optional
         As in `decompose`.
-    theta : float
-        Smallest response of a feature, in multiples of the mean response of its level.
+    theta : float, optional
+        Threshold of Algorithm 2: smallest response of a feature, in multiples of the mean response of its level; 2.4 where
+        Algorithm 2 applies.
     best : int, optional
         Keep this many features, the strong ones well spread.
     options : FeatureOptions, optional
@@ -343,9 +346,9 @@ def features(
     options = options or FeatureOptions()
     part = read_part("features", shape, selection, _FEATURES, signal)
     levels = levels_of(levels, selection)
-    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels, analysis=True)
     signal = part.take_signal(default_signal(part.given, signal))
-    steps = decomposer.schedule(levels, extent=EXTENT["features"])
+    steps = decomposer.schedule(levels, extent=decomposer._data.feature_extent())
     owner, values, _ = decomposer._resolve_signal(signal)
     request, threshold = BandsRequest(values, steps, accuracy), FeatureThreshold(theta, best)
     with report_progress(progress, "splitting") as report:

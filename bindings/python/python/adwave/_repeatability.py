@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
-from adwave._diffusion import EXTENT
 from adwave._measures import FeatureOptions, Features, features
 from adwave._options import LevelsLike, Octaves, OperatorLike, Steps, Widths
 from adwave._progress import ProgressLike, report_progress
@@ -151,7 +150,7 @@ def repeatability(
     signal: str = "coords",
     trials: Trials | None = None,
     within: float = 1.0,
-    theta: float = _native.THETA,
+    theta: float | None = None,
     options: FeatureOptions | None = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
@@ -171,7 +170,7 @@ def repeatability(
         Amounts of noise, and number of runs.
     within : float
         Largest distance of a feature that is found again, in its rms widths.
-    theta : float
+    theta : float, optional
         As in `adwave.features`.
     options : FeatureOptions, optional
         As in `adwave.features`; only response and border are used.
@@ -213,8 +212,8 @@ def repeatability(
         raise ValueError(f"runs must be at least 1, got {trials.runs}")
     if isinstance(levels, (Octaves, Steps)):
         raise ValueError("levels: numbers of steps differ between meshes; give a number of levels or aw.Widths(...)")
-    own = prepare_decomposer(shape, operator, levels)
-    steps = own.schedule(levels, extent=EXTENT["features"])
+    own = prepare_decomposer(shape, operator, levels, analysis=True)
+    steps = own.schedule(levels, extent=own._data.feature_extent())
     given = options or FeatureOptions()
     used = FeatureOptions(response=given.response, border=given.border)
 

@@ -52,10 +52,11 @@ impl MapArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Features")]
 pub(crate) struct DetectArgs {
-    /// Least response of a feature, relative to the mean response of its level
-    #[arg(long, value_name = "T", value_parser = number, default_value_t = FeatureParams::default().theta, allow_negative_numbers = true)]
-    pub(crate) theta: f64,
-    /// Response that is compared between neighbors and levels
+    /// Threshold of the paper's Algorithm 2: least response, relative to the mean response of its level [default: 2.4,
+    /// and significance for the coordinates of meshes and clouds]
+    #[arg(long, value_name = "T", value_parser = number, allow_negative_numbers = true)]
+    pub(crate) theta: Option<f64>,
+    /// Response of Algorithm 2 that is compared between neighbors and levels
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Response>(), default_value_t)]
     pub(crate) response: Response,
     /// Compare with the mean over each connected component instead of the whole shape

@@ -27,8 +27,8 @@ pub(crate) const OPERATOR_OPTIONS: [&str; 8] = [
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Diffusion operator")]
 pub(crate) struct OperatorArgs {
-    /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared,
-    /// else walk]
+    /// Operator that smooths the signal [default: surface for saliency and features of meshes, if levels are given by
+    /// --lengths, or if two shapes are compared, else walk]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<OperatorKind>())]
     pub(crate) operator: Option<OperatorKind>,
     /// Mesh: distance in model units within which edges of open borders are welded; 0 welds equal positions only

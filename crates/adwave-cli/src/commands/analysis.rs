@@ -8,13 +8,14 @@ use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
 use crate::output::{count, given_normals_json};
 use crate::resolve::levels::{check_levels, resolve_spec};
-use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
+use crate::resolve::operator::{operator_for_analysis, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, SignalValues, file_normals, load_signal};
 use crate::resolve::walk::with_given_walk;
 use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
 use adwave::features::{
-    CloudCoordinates, CloudFeatures, Feature, FeatureParams, Response, cloud_features, features,
+    CoordinateFeatures, Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features,
+    feature_extent, features,
 };
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
 use adwave::signal::OutwardInfo;
@@ -28,8 +29,8 @@ pub(crate) struct AnalysisArgs<'a> {
     pub(crate) shape: &'a ShapeArgs,
     pub(crate) signal: &'a SignalArgs,
     pub(crate) levels: &'a LevelArgs,
-    /// Share of the diagonal that the last level reaches if no number of levels is asked for.
-    pub(crate) extent: f64,
+    /// Share of the diagonal that the last level reaches if no number of levels is asked for; `None` is that of features.
+    pub(crate) extent: Option<f64>,
     /// A walk as given; `None` for a command without that option.
     pub(crate) walk: Option<&'a GivenWalkArgs>,
 }
@@ -127,8 +128,9 @@ impl Analysis {
         let name = signal.name();
         // The signal comes first: a name that does not exist is reported before the operator is built.
         let signal = load_signal(global, &input, name, signal.texture.as_deref())?;
-        let operator = operator_for_levels(&shape.operator, levels)?;
+        let operator = operator_for_analysis(&shape.operator, levels, &input.shape)?;
         let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
+        let extent = extent.unwrap_or_else(|| feature_extent(&decomposer));
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         let (schedule, levels_reason) = (resolved.schedule, resolved.reason);
@@ -211,14 +213,14 @@ impl Analysis {
         Ok(Map { saliency, wavelets, params, is_signed, outward: outward.map(|o| o.info), seconds })
     }
 
-    /// The features and the bands that they were found in: those of the shape of a cloud if its coordinates are
-    /// analyzed, else those of the signal.
+    /// The features and the bands that they were found in: significant ones of the coordinates where there are such,
+    /// else those of Algorithm 2.
     pub(crate) fn features(
         &mut self,
         params: &FeatureParams,
         global: &Global<'_>,
     ) -> Result<FoundFeatures, CliError> {
-        if !self.is_cloud_geometry() || params.response == Response::Channels {
+        if !self.finds_significant(params) {
             let wavelets = self.wavelets(global, Some(params.response))?;
             let start = Instant::now();
             let found = features(&self.decomposer, &wavelets, params, global.progress());
@@ -230,7 +232,7 @@ impl Analysis {
             "applies to fields and to shapes with edges; features of the points of a cloud come from their own walk",
         )?;
         let normals = file_normals(&self.input.file);
-        let coordinates = CloudCoordinates {
+        let coordinates = ShapeCoordinates {
             points: self.input.shape.points().unwrap_or_default(),
             normals: normals.as_deref(),
             schedule: &self.schedule,
@@ -238,20 +240,20 @@ impl Analysis {
         };
         let start = Instant::now();
         let found = with_progress(global, "splitting", |progress| {
-            cloud_features(&self.decomposer, &coordinates, params, progress)
+            coordinate_features(&self.decomposer, &coordinates, params, progress)
         });
-        let CloudFeatures { features, wavelets } = found.map_err(|e| CliError::classify(&e))?;
+        let CoordinateFeatures { features, wavelets } = found.map_err(|e| CliError::classify(&e))?;
         Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() })
     }
 
     /// True if the signal is the coordinates of a mesh or cloud.
-    fn is_geometry(&self) -> bool {
+    pub(crate) fn is_geometry(&self) -> bool {
         matches!(self.signal.values, SignalValues::Coordinates(_)) && !self.input.shape.is_graph()
     }
 
-    /// True if the signal is the coordinates of a cloud.
-    pub(crate) fn is_cloud_geometry(&self) -> bool {
-        self.input.shape.is_cloud() && self.is_geometry()
+    /// True if the features are those that stand out significantly, not those of Algorithm 2.
+    pub(crate) fn finds_significant(&self, params: &FeatureParams) -> bool {
+        self.is_geometry() && params.finds_significant(&self.decomposer)
     }
 
     /// Widths σ_j of the levels 0 … J in model units.

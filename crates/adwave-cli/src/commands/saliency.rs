@@ -67,7 +67,13 @@ impl SaliencyArgs {
     fn analysis(&self) -> AnalysisArgs<'_> {
         let extent = self.map.weighting.extent();
         let walk = Some(&self.walk);
-        AnalysisArgs { shape: &self.shape, signal: &self.signal, levels: &self.levels, extent, walk }
+        AnalysisArgs {
+            shape: &self.shape,
+            signal: &self.signal,
+            levels: &self.levels,
+            extent: Some(extent),
+            walk,
+        }
     }
 }
 

@@ -28,6 +28,17 @@ pub(crate) fn operator_for_levels(
     operator_for_spec(args, &levels.to_spec())
 }
 
+/// Parameters of the diffusion operator for a map or features of a shape: on a mesh the surface decides, not its
+/// triangles.
+pub(crate) fn operator_for_analysis(
+    args: &OperatorArgs,
+    levels: &LevelArgs,
+    shape: &Shape,
+) -> Result<OperatorParams, CliError> {
+    let levels = levels.to_spec().operator_task();
+    operator_for_task(args, if shape.is_mesh() { OperatorTask::Analysis } else { levels })
+}
+
 /// Parameters of the diffusion operator for levels.
 pub(crate) fn operator_for_spec(args: &OperatorArgs, levels: &LevelSpec) -> Result<OperatorParams, CliError> {
     operator_for_task(args, levels.operator_task())

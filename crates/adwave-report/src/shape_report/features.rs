@@ -1,4 +1,4 @@
-//! The features section: places where a level stands out, with their sizes.
+//! Features section: places where a level stands out, with their sizes.
 
 use super::Subject;
 use super::drawing::{PictureSpec, Studio};
@@ -8,19 +8,19 @@ use crate::page::{Block, Figure, Legend, Section};
 use crate::table::{NONE, Table, digits};
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule};
-use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features};
+use adwave::features::{Feature, FeatureParams, ShapeCoordinates, coordinate_features};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
 /// Largest number of features in the table.
 const MAX_LISTED: usize = 15;
 
-/// The features of a report.
+/// Features of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureSummary {
     /// Features, the strongest first.
     pub features: Vec<Feature>,
-    /// Seconds of the computation.
+    /// Seconds spent on the computation.
     pub seconds: f64,
 }
 
@@ -28,9 +28,9 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();
-    let is_cloud = subject.is_geometry() && subject.shape.is_cloud();
-    let found = if is_cloud {
-        features_of_cloud(subject, &params).map_err(|why| why.to_string())
+    let is_significant = subject.is_geometry() && params.finds_significant(subject.decomposer);
+    let found = if is_significant {
+        significant_features(subject, &params).map_err(|why| why.to_string())
     } else {
         features(subject.decomposer, subject.bands, &params).map_err(|why| why.to_string())
     };
@@ -44,17 +44,22 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let seconds = start.elapsed().as_secs_f64();
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
-    if is_cloud {
-        section.say(
-            "W_j is the part of the band along the normal, and a feature stands out from its surroundings by more than the drawing \
-             of the points and noise explain.",
-        );
-    }
+    let vertex = subject.vertex();
+    let rule = if is_significant {
+        let causes = if subject.shape.is_cloud() { "the drawing of the points" } else { "the triangles" };
+        format!(
+            "A feature is a {vertex} where the part of W_j along the normal is extremal among its neighbors and stands out \
+             from its surroundings by more than {causes} and noise explain, and by more than on the levels below and above."
+        )
+    } else {
+        format!(
+            "A feature is a {vertex} where |W_j| is larger than at its neighbors, on the same level and on the levels below \
+             and above, and at least {} times the mean of its level.",
+            params.theta()
+        )
+    };
     section.say(format!(
-        "A feature is a {} where |W_j| is larger than at its neighbors, on the same level and on the levels below and above, and \
-         at least {} times the mean of its level. Levels 2 to {} can have features. The radius of a feature is σ_j.",
-        subject.vertex(),
-        params.theta,
+        "{rule} Levels 2 to {} can have features. The radius of a feature is about σ_j.",
         n_levels - 1
     ));
     if found.is_empty() {
@@ -71,23 +76,23 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     (section, Some(FeatureSummary { features: found, seconds }))
 }
 
-/// Features of the coordinates of a cloud.
-fn features_of_cloud(
+/// Finds the significant features of the coordinates.
+fn significant_features(
     subject: &Subject<'_>,
     params: &FeatureParams,
 ) -> Result<Vec<Feature>, Box<dyn std::error::Error>> {
     let steps = subject.bands.steps.get(1..).unwrap_or_default();
     let schedule = Schedule::real(steps.to_vec())?;
-    let coordinates = CloudCoordinates {
+    let coordinates = ShapeCoordinates {
         points: subject.values.as_chunks().0,
         normals: subject.normals,
         schedule: &schedule,
         bands: BandsParams::default(),
     };
-    Ok(cloud_features(subject.decomposer, &coordinates, params, Progress::none())?.features)
+    Ok(coordinate_features(subject.decomposer, &coordinates, params, Progress::none())?.features)
 }
 
-/// Levels that have features, ascending, with their numbers of features.
+/// Lists the levels that have features, ascending, with their numbers of features.
 fn counts(found: &[Feature]) -> Vec<(usize, usize)> {
     let mut levels: Vec<usize> = found.iter().map(|f| f.level).collect();
     levels.sort_unstable();

@@ -7,16 +7,16 @@
 //! halves of the points, and a feature must stand out from its surroundings by several times the difference.
 
 use super::sample::SampleResponse;
-use super::{Feature, FeatureError, FeatureParams, Response, features, select_spread};
-use crate::bands::{BandsError, BandsParams, Schedule, Wavelets};
+use super::{
+    CoordinateFeatureError, CoordinateFeatures, Feature, FeatureParams, Response, ShapeCoordinates, features,
+    select_spread,
+};
+use crate::bands::{BandsError, Wavelets};
 use crate::population::Population;
-use crate::shape::NoShape;
 use crate::shape::{distance, squared_distance};
-use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
 use crate::vector::{dot, subtract};
-use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, parallel};
+use crate::{Decomposer, Progress, parallel};
 use std::collections::HashSet;
-use thiserror::Error;
 
 /// Smallest height of a feature over its surroundings, in standard deviations due to the drawing of the points and
 /// noise. The deviations are estimated from few places on coarse levels: the largest height on 88 flat, round and
@@ -24,7 +24,7 @@ use thiserror::Error;
 const SIGNIFICANT: f64 = 9.0;
 
 /// Height over the surroundings, in σ of the level, below which there is nothing but rounding.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 
 /// Outer radius of the surroundings of a feature, in σ; the inner one is half of it.
 const SURROUNDINGS: f64 = 2.0;
@@ -36,111 +36,18 @@ const MEASURED: f64 = 3.0;
 const SMALLER: f64 = 0.999;
 
 /// Largest factor by which a response is corrected for the spread of its points.
-const MOST_CORRECTION: f64 = 4.0;
+pub(super) const MOST_CORRECTION: f64 = 4.0;
 
-/// Error of finding the features of a cloud.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum CloudFeatureError {
-    /// The levels or parameters do not allow features.
-    #[error(transparent)]
-    Features(#[from] FeatureError),
-    /// The bands cannot be computed.
-    #[error(transparent)]
-    Bands(#[from] BandsError),
-    /// The normals cannot be found.
-    #[error(transparent)]
-    Outward(#[from] OutwardError),
-    /// The domain is no shape.
-    #[error(transparent)]
-    NoShape(#[from] NoShape),
-    /// The call was cancelled.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl ClassifiedError for CloudFeatureError {
-    fn kind(&self) -> ErrorKind {
-        match self {
-            Self::Features(e) => e.kind(),
-            Self::Bands(e) => e.kind(),
-            Self::Outward(e) => e.kind(),
-            Self::NoShape(e) => e.kind(),
-            Self::Cancelled(e) => e.kind(),
-        }
-    }
-}
-
-/// Coordinates of a cloud with the levels on which features are sought.
-#[derive(Clone, Copy, Debug)]
-pub struct CloudCoordinates<'a> {
-    /// Coordinates of the points, in the order of the shape.
-    pub points: &'a [[f64; 3]],
-    /// Normals of the file, three numbers a point, in the order of the shape.
-    pub normals: Option<&'a [f64]>,
-    /// Levels.
-    pub schedule: &'a Schedule,
-    /// Accuracy and method of the bands.
-    pub bands: BandsParams,
-}
-
-/// Features of a cloud and the responses in which they were found.
-#[derive(Clone, Debug)]
-pub struct CloudFeatures {
-    /// The features, in the order of [`features`].
-    pub features: Vec<Feature>,
-    /// Responses W_j·n, corrected for the spread of the points, less their medians, as bands of one channel: positive
-    /// where the surface is more convex than usual at the size of the level, if the cloud has an outside.
-    pub wavelets: Wavelets,
-}
-
-/// Finds the features of the coordinates of a cloud: those of [`features`] for the bands along the normals that are
-/// significant against the drawing of the points and against noise. O(n × levels), with the bands of two halves of the
-/// points.
-///
-/// The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n`
-/// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as
-/// [`Response::Sigma`] does, since on a smooth cloud no level is more uneven than another. A feature must differ from
-/// the mean of the response between σ and 2σ around it by more than 9 standard deviations of the response. The standard
-/// deviation is the root mean square difference from the responses of two random halves of the points, the larger of
-/// the local and the global one. Levels finer than half of the points resolves have no features, and the features of
-/// the last level include bumps that are wider. Of significant features within σ of each other the strongest is kept.
-///
-/// # Errors
-/// [`CloudFeatureError`] if the bands, the normals or the features cannot be computed.
-///
-/// # Panics
-/// Unless the shape is a cloud with as many points.
-///
-/// ```
-/// use adwave::bands::{BandsParams, Schedule};
-/// use adwave::features::{CloudCoordinates, FeatureParams, cloud_features};
-/// use adwave::sample::Sample;
-/// use adwave::shape::{PointCloud, Shape};
-/// use adwave::{Decomposer, Progress};
-/// let points = Sample::from_name("sphere", Some(2000))?.points;
-/// let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone())?));
-/// let schedule = Schedule::dyadic(6)?;
-/// let coordinates =
-///     CloudCoordinates { points: &points, normals: None, schedule: &schedule, bands: BandsParams::default() };
-/// let found = cloud_features(&decomposer, &coordinates, &FeatureParams::default(), Progress::none())?;
-/// assert!(found.features.is_empty());
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn cloud_features(
+/// Finds the features of the coordinates of a cloud; see [`coordinate_features`](super::coordinate_features).
+pub(super) fn cloud_features(
     decomposer: &Decomposer,
-    coordinates: &CloudCoordinates<'_>,
+    coordinates: &ShapeCoordinates<'_>,
+    normals: &[[f64; 3]],
     params: &FeatureParams,
     progress: Progress<'_>,
-) -> Result<CloudFeatures, CloudFeatureError> {
-    params.check()?;
-    let n_levels = coordinates.schedule.n_levels();
-    if n_levels < 3 {
-        return Err(FeatureError::TooFewLevels { n_levels }.into());
-    }
-    let normals = normals(decomposer, coordinates.normals, progress)?;
-    let mut wavelets = normal_response(decomposer, coordinates, &normals, progress)?;
-    let sample = SampleResponse::new(decomposer, coordinates, &normals, &wavelets.levels, progress.quiet())?;
+) -> Result<CoordinateFeatures, CoordinateFeatureError> {
+    let mut wavelets = normal_response(decomposer, coordinates, normals, progress)?;
+    let sample = SampleResponse::new(decomposer, coordinates, normals, &wavelets.levels, progress.quiet())?;
     center_levels(decomposer, &mut wavelets);
     let response = if params.response == Response::Normalized { Response::Sigma } else { params.response };
     let every = FeatureParams { best: None, response, ..*params };
@@ -155,34 +62,13 @@ pub fn cloud_features(
         Some(best) => select_spread(&found, best),
         None => found,
     };
-    Ok(CloudFeatures { features: found, wavelets })
-}
-
-/// Outward normals; on a surface without an outside, the normals of one of its sides.
-fn normals(
-    decomposer: &Decomposer,
-    file: Option<&[f64]>,
-    progress: Progress<'_>,
-) -> Result<Vec<[f64; 3]>, CloudFeatureError> {
-    let geometry = decomposer.geometry_for("a search for features of a cloud")?;
-    let mut normals = outward_normals(geometry, file, progress.quiet())?.normals;
-    if normals.contains(&[0.0; 3]) {
-        let (points, _) = geometry.unit_points(progress)?;
-        let near = geometry.nearest(&points, FIT_NEIGHBORS, progress)?;
-        let one_side = try_cloud_normals(&points, &near, progress)?;
-        for (normal, other) in normals.iter_mut().zip(one_side) {
-            if *normal == [0.0; 3] {
-                *normal = other;
-            }
-        }
-    }
-    Ok(normals)
+    Ok(CoordinateFeatures { features: found, wavelets })
 }
 
 /// Bands along the `normals` at the welded points, corrected for the spread of the points.
 pub(super) fn normal_response(
     decomposer: &Decomposer,
-    coordinates: &CloudCoordinates<'_>,
+    coordinates: &ShapeCoordinates<'_>,
     normals: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Wavelets, BandsError> {

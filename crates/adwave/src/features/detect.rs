@@ -64,7 +64,7 @@ pub fn features(
     }
     let population = Population::new(decomposer);
     let ring = decomposer.ring(progress)?;
-    let neighborhood = Neighborhood { ring: &ring, rings: decomposer.domain().feature_rings() };
+    let neighborhood = Neighborhood::new(&ring, decomposer.domain().feature_rings());
     let means = Means::new(&ring, params.scope, progress)?;
     let mut found: Vec<(usize, Feature)> = Vec::new();
     for layer in layers(&population, wavelets, params.response, progress)? {
@@ -73,7 +73,7 @@ pub fn features(
             let level = &layer.levels[j - 1];
             let mean = means.component_means(&population, level);
             let search = ExtremumSearch { layer: &layer, neighborhood: &neighborhood, j };
-            let floor = |x: usize| params.theta * mean[means.group(x)];
+            let floor = |x: usize| params.theta() * mean[means.group(x)];
             for x in search.run(&floor, progress)? {
                 let local = TangentNeighborhood::new(decomposer, &neighborhood.neighbors(x), x);
                 if let Some(most) = params.max_edge_ratio
@@ -118,7 +118,7 @@ pub fn features(
 }
 
 /// First vertex of the shape in each welded vertex.
-fn first_members(decomposer: &Decomposer) -> Vec<u32> {
+pub(super) fn first_members(decomposer: &Decomposer) -> Vec<u32> {
     let mut first = vec![u32::MAX; decomposer.n_places()];
     for (&x, vertex) in decomposer.vertex_map().as_slice().iter().zip(0..) {
         first[x as usize] = vertex.min(first[x as usize]);
@@ -132,7 +132,12 @@ pub(super) struct Neighborhood<'a> {
     rings: usize,
 }
 
-impl Neighborhood<'_> {
+impl<'a> Neighborhood<'a> {
+    /// The given number of rings.
+    pub(super) fn new(ring: &'a Adjacency, rings: usize) -> Self {
+        Self { ring, rings }
+    }
+
     /// The neighbors of `x`, nearest ring first, without `x`.
     pub(super) fn neighbors(&self, x: usize) -> Vec<u32> {
         let mut found = self.ring.row(x).to_vec();

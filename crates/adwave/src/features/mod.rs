@@ -7,21 +7,26 @@
 mod best;
 mod cloud;
 mod components;
+mod coordinates;
 mod descriptor;
 mod detect;
+mod disk;
 mod matching;
 mod params;
 mod refine;
 mod response;
 mod sample;
 mod spheres;
+mod surface;
 
 pub use best::select_spread;
-pub use cloud::{CloudCoordinates, CloudFeatureError, CloudFeatures, cloud_features};
+pub use coordinates::{CoordinateFeatureError, CoordinateFeatures, ShapeCoordinates, coordinate_features};
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::{features, is_extremum};
 pub use matching::{Match, match_features};
-pub use params::{FEATURE_EXTENT, FeatureParams, Refinement, Response, ThresholdScope};
+pub use params::{
+    DEFAULT_THETA, FEATURE_EXTENT, FeatureParams, Refinement, Response, ThresholdScope, feature_extent,
+};
 pub use spheres::{Spheres, spheres};
 
 use crate::{Cancelled, ClassifiedError, ErrorKind};

@@ -1,7 +1,8 @@
 //! Parameters of feature detection.
 
 use super::FeatureError;
-use crate::named_values;
+use crate::operator::OperatorKind;
+use crate::{Decomposer, named_values};
 
 /// Default width of the last level as a share of the bounding box's diagonal: twice
 /// [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT), that is two levels more.
@@ -10,6 +11,28 @@ use crate::named_values;
 /// of the diagonal. That is the width of the ends of limbs, a nose or a knee on a figure, which the default of the
 /// bands would miss. A figure of 43 000 vertices gets the 8 levels of the paper.
 pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
+
+/// Width of the last level, in mean edges, up to which significant features of a mesh are looked for at least: those
+/// of the level before are 12 edges wide.
+const LEAST_EDGES: f64 = 17.0;
+
+/// Largest width of the last level that those edges lead to, as a share of the extent: wider ones are the shape itself.
+const MOST_EXTENT: f64 = 0.1;
+
+/// Default width of the last level for features, as a share of the extent of the shape: [`FEATURE_EXTENT`]; for heat on
+/// a mesh at least 17 mean edges, but for that no more than 0.1.
+pub fn feature_extent(decomposer: &Decomposer) -> f64 {
+    if !FeatureParams::default().finds_significant(decomposer)
+        || decomposer.operator_kind() == OperatorKind::Walk
+    {
+        return FEATURE_EXTENT;
+    }
+    let edges = LEAST_EDGES * decomposer.mean_length() / decomposer.extent();
+    edges.min(MOST_EXTENT).max(FEATURE_EXTENT)
+}
+
+/// Default threshold θ of Algorithm 2.
+pub const DEFAULT_THETA: f64 = 2.4;
 
 /// Response R(j,x) that is compared in space and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,8 +89,10 @@ pub enum Refinement {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FeatureParams {
-    /// Threshold θ > 0: a response must exceed θ times the mean |R| of its level; useful values are 1.6 to 3.
-    pub theta: f64,
+    /// Threshold θ > 0 of Algorithm 2: a response must exceed θ times the mean |R| of its level; useful values are 1.6
+    /// to 3. `None` is [`DEFAULT_THETA`] where Algorithm 2 applies, and significance where
+    /// [`finds_significant`](Self::finds_significant) says so.
+    pub theta: Option<f64>,
     /// Response R.
     pub response: Response,
     /// Scope of the mean.
@@ -87,7 +112,7 @@ pub struct FeatureParams {
 impl Default for FeatureParams {
     fn default() -> Self {
         Self {
-            theta: 2.4,
+            theta: None,
             response: Response::default(),
             scope: ThresholdScope::default(),
             refinement: Refinement::default(),
@@ -99,10 +124,28 @@ impl Default for FeatureParams {
 }
 
 impl FeatureParams {
-    /// Sets the threshold θ.
+    /// Sets the threshold θ; `None` is the default.
     #[must_use]
-    pub fn with_theta(self, theta: f64) -> Self {
-        Self { theta, ..self }
+    pub fn with_theta(self, theta: impl Into<Option<f64>>) -> Self {
+        Self { theta: theta.into(), ..self }
+    }
+
+    /// The threshold θ of Algorithm 2.
+    pub fn theta(&self) -> f64 {
+        self.theta.unwrap_or(DEFAULT_THETA)
+    }
+
+    /// True if the coordinates of the shape of `decomposer` have significant features
+    /// ([`coordinate_features`](super::coordinate_features)): on a cloud, unless channels are searched separately; on a
+    /// mesh with heat on the surface, unless θ, a response or the scope asks for Algorithm 2.
+    pub fn finds_significant(&self, decomposer: &Decomposer) -> bool {
+        let Some(geometry) = decomposer.geometry() else { return false };
+        if geometry.shape().is_cloud() {
+            return self.response != Response::Channels;
+        }
+        let is_default =
+            (self.theta, self.response, self.scope) == (None, Response::default(), ThresholdScope::default());
+        is_default && decomposer.operator_kind() == OperatorKind::Surface && !geometry.triangles().is_empty()
     }
 
     /// Sets the response R.
@@ -146,8 +189,8 @@ impl FeatureParams {
     /// # Errors
     /// [`FeatureError`] naming the option that is out of its range.
     pub fn check(&self) -> Result<(), FeatureError> {
-        if !(self.theta.is_finite() && self.theta > 0.0) {
-            return Err(FeatureError::Theta { theta: self.theta });
+        if let Some(theta) = self.theta.filter(|theta| !(theta.is_finite() && *theta > 0.0)) {
+            return Err(FeatureError::Theta { theta });
         }
         for (what, value, least) in
             [("edge ratio", self.max_edge_ratio, 1.0), ("distance from the border", self.border_sigmas, 0.0)]

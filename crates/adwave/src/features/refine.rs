@@ -87,15 +87,24 @@ pub(super) fn refined_position(
 /// The σ at which the parabola through |R| on levels j − 1, j and j + 1 over log σ is largest, limited to half-way
 /// to the adjacent levels.
 pub(super) fn refined_sigma(sigma: &[f64], levels: &[ResponseLevel<'_>], j: usize, x: usize) -> f64 {
-    let [before, here, after] = [j - 1, j, j + 1].map(|j| sigma[j].ln());
     let sign = levels[j - 1].value(x).signum();
-    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level].value(x));
+    parabola_peak(
+        [j - 1, j, j + 1].map(|j| sigma[j]),
+        [j - 2, j - 1, j].map(|level| sign * levels[level].value(x)),
+    )
+}
+
+/// The width at which the parabola through three values over log σ is largest, limited to half-way to the outer ones;
+/// the middle one if the values have no maximum.
+pub(super) fn parabola_peak(sigma: [f64; 3], values: [f64; 3]) -> f64 {
+    let [before, here, after] = sigma.map(f64::ln);
+    let [p, q, r] = values;
     let (left, right) = (here - before, after - here);
     let (up, down) = ((q - p) / left, (r - q) / right);
     // The divided differences decrease across a maximum.
     let bend = 2.0 * (down - up) / (left + right);
     if bend >= 0.0 {
-        return sigma[j];
+        return sigma[1];
     }
     let slope = (up * right + down * left) / (left + right);
     let shift = (-slope / bend).clamp(-0.5 * left, 0.5 * right);

@@ -20,7 +20,12 @@ pub(super) struct ResponseLevel<'a> {
     scale: f64,
 }
 
-impl ResponseLevel<'_> {
+impl<'a> ResponseLevel<'a> {
+    /// A level as it is.
+    pub(super) fn plain(values: &'a [f64]) -> Self {
+        Self { values: Cow::Borrowed(values), scale: 1.0 }
+    }
+
     /// The response R(j,x).
     #[inline]
     pub(super) fn value(&self, x: usize) -> f64 {

@@ -1,6 +1,7 @@
 //! Responses of random halves of a cloud, from which the influence of the drawing and of noise follows.
 
-use super::cloud::{CloudCoordinates, normal_response};
+use super::ShapeCoordinates;
+use super::cloud::normal_response;
 use crate::bands::{BandsError, Schedule, Wavelets};
 use crate::shape::{PointCloud, Shape};
 use crate::signal::{FIT_NEIGHBORS, aligned_normals};
@@ -39,7 +40,7 @@ impl SampleResponse {
     /// Computes the responses of both halves of the points of `decomposer`, whose `responses` of all points are known.
     pub(super) fn new(
         decomposer: &Decomposer,
-        coordinates: &CloudCoordinates<'_>,
+        coordinates: &ShapeCoordinates<'_>,
         normals: &[[f64; 3]],
         responses: &[Vec<f64>],
         progress: Progress<'_>,
@@ -73,7 +74,7 @@ impl Half {
     /// The half that is drawn, or the other one; `None` if there are too few points.
     fn new(
         decomposer: &Decomposer,
-        coordinates: &CloudCoordinates<'_>,
+        coordinates: &ShapeCoordinates<'_>,
         normals: &[[f64; 3]],
         is_drawn: bool,
         progress: Progress<'_>,
@@ -104,7 +105,7 @@ impl Half {
         let welded = geometry.vertex_map().mean(coordinates.points.as_flattened(), 3);
         let points = pick(welded.as_chunks().0);
         let schedule = &steps.schedule;
-        let sampled = CloudCoordinates { points: &points, normals: None, schedule, bands: coordinates.bands };
+        let sampled = ShapeCoordinates { points: &points, normals: None, schedule, bands: coordinates.bands };
         let wavelets = normal_response(&own, &sampled, &own_normals, progress)?;
         Ok(Some(Self { vertices, steps, wavelets }))
     }

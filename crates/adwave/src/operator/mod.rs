@@ -88,15 +88,17 @@ pub enum OperatorTask {
     WidthLevels,
     /// Two shapes are compared, or their features are matched.
     Comparison,
+    /// Details of a mesh are looked for: saliency and features.
+    Analysis,
 }
 
 impl OperatorTask {
-    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk
-    /// of the paper.
+    /// The operator that suits the task: heat on the surface where the triangles must not matter, else the walk of the
+    /// paper.
     pub fn default_kind(self) -> OperatorKind {
         match self {
             Self::StepLevels => OperatorKind::Walk,
-            Self::WidthLevels | Self::Comparison => OperatorKind::Surface,
+            Self::WidthLevels | Self::Comparison | Self::Analysis => OperatorKind::Surface,
         }
     }
 }

@@ -5,6 +5,7 @@
 //! of the component along the outward normal; it is positive where the shape is convex and negative where it is
 //! concave.
 
+mod discretization;
 mod drawn;
 mod height;
 mod params;
@@ -16,6 +17,7 @@ pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting}
 use crate::bands::Wavelets;
 use crate::population::Population;
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, parallel};
+use discretization::Discretization;
 use std::borrow::Cow;
 use thiserror::Error;
 
@@ -192,10 +194,19 @@ fn parts<'a>(
         Some(sigmas) => Some(BorderDistance::new(decomposer, sigmas, wavelets.sigma[n_levels], progress)?),
         None => None,
     };
+    let discretization = if params.weighting == Weighting::Entropy {
+        let finest: Vec<Cow<'_, [f64]>> =
+            (1..=n_levels.min(2)).map(|level| wavelets.level_norms(level)).collect();
+        let finest: Vec<&[f64]> = finest.iter().map(AsRef::as_ref).collect();
+        Discretization::new(decomposer, &population, &finest, progress)?
+    } else {
+        None
+    };
     let part = |level: usize| {
         progress.step((level - skip - 1) as u64, (n_levels - skip) as u64)?;
         let sigma = wavelets.sigma[level];
         let mut norms = wavelets.level_norms(level);
+        let unexplained = discretization.as_ref().map_or(1.0, |d| d.unexplained(&population, &norms, sigma));
         let left = border.as_ref().map(|border| border.fade(norms.to_mut(), sigma));
         let share = left.as_ref().map_or(1.0, |left| population.mean(left));
         let mean = if share > 0.0 { population.mean(&norms) / share } else { 0.0 };
@@ -207,7 +218,7 @@ fn parts<'a>(
             // A level without any response contributes nothing.
             Weighting::Normalized | Weighting::Entropy if mean == 0.0 => 0.0,
             Weighting::Normalized => 1.0 / mean,
-            Weighting::Entropy => unevenness(&population, &norms, left.as_deref(), mean) / mean,
+            Weighting::Entropy => unexplained * unevenness(&population, &norms, left.as_deref(), mean) / mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {

@@ -20,7 +20,8 @@ pub enum Weighting {
     /// mean and weighted by its unevenness. mean(r·ln r) ≥ 0 is the difference between the entropy of an even level
     /// and that of the level; it is 0 if |W| is the same everywhere (a sphere), so a level on which nothing stands
     /// out contributes nothing. For heat on a mesh α_j is also multiplied by the share of the level's variance that
-    /// neither the triangles nor noise explain, `(1 − (0.09·s²·a/σ_j² + 0.01·⟨W⟩²·⟨e⁴⟩/σ_j⁴)/var W)₊`: s² is the
+    /// twice the effect of the triangles and of noise does not explain,
+    /// `(1 − 2·(0.09·s²·a/σ_j² + 0.04·⟨W⟩²·⟨e⁴⟩/σ_j⁴)/var W)₊`: s² is the
     /// variance of independent displacements that would make the two finest levels as rough as they are, a the mean
     /// area of a vertex, e the mean length of the edges at a vertex. A perfect sphere has saliency 0.
     #[default]

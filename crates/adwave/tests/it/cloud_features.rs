@@ -2,7 +2,7 @@
 
 use adwave::bands::{BandsParams, Schedule};
 use adwave::features::{
-    CloudCoordinates, CloudFeatureError, Feature, FeatureError, FeatureParams, cloud_features,
+    CoordinateFeatureError, Feature, FeatureError, FeatureParams, ShapeCoordinates, coordinate_features,
 };
 use adwave::shape::{PointCloud, Shape};
 use adwave::{Decomposer, Progress};
@@ -83,9 +83,9 @@ fn find(points: &[[f64; 3]], n_levels: usize) -> Vec<Feature> {
     let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points.to_vec()).unwrap()));
     let schedule = Schedule::dyadic(n_levels).unwrap();
     let coordinates =
-        CloudCoordinates { points, normals: None, schedule: &schedule, bands: BandsParams::default() };
+        ShapeCoordinates { points, normals: None, schedule: &schedule, bands: BandsParams::default() };
     let params = FeatureParams::default();
-    cloud_features(&decomposer, &coordinates, &params, Progress::none()).unwrap().features
+    coordinate_features(&decomposer, &coordinates, &params, Progress::none()).unwrap().features
 }
 
 #[test]
@@ -167,12 +167,15 @@ fn degenerate_clouds_have_no_features_and_few_levels_are_an_error() {
     let points = cloud(100, 0, 0.0, round);
     let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone()).unwrap()));
     let schedule = Schedule::dyadic(2).unwrap();
-    let coordinates = CloudCoordinates {
+    let coordinates = ShapeCoordinates {
         points: &points,
         normals: None,
         schedule: &schedule,
         bands: BandsParams::default(),
     };
-    let error = cloud_features(&decomposer, &coordinates, &FeatureParams::default(), Progress::none());
-    assert!(matches!(error, Err(CloudFeatureError::Features(FeatureError::TooFewLevels { n_levels: 2 }))));
+    let error = coordinate_features(&decomposer, &coordinates, &FeatureParams::default(), Progress::none());
+    assert!(matches!(
+        error,
+        Err(CoordinateFeatureError::Features(FeatureError::TooFewLevels { n_levels: 2 }))
+    ));
 }

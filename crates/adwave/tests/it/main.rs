@@ -31,3 +31,4 @@ mod sheets;
 mod signed_saliency;
 mod strays;
 mod surface;
+mod surface_features;

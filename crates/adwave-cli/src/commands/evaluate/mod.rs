@@ -12,7 +12,7 @@ use crate::resolve::operator::{build_operator, check_operator, operator_for_leve
 use crate::resolve::shape::{Carrier, Input};
 use crate::resolve::signal::load_signal;
 use adwave::Progress;
-use adwave::features::{CloudCoordinates, FEATURE_EXTENT, Feature, Response, cloud_features, features};
+use adwave::features::{Feature, Response, ShapeCoordinates, coordinate_features, features};
 use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
     change, n_right, repeatability, share_by_chance,
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
     args.detect.to_params(&args.border).check().map_err(CliError::input)?;
     args.map.to_params(&args.border).check().map_err(CliError::input)?;
     check_task(args, global)?;
-    let extent = if args.fixations.is_some() { args.map.weighting.extent() } else { FEATURE_EXTENT };
+    let extent = args.fixations.is_some().then(|| args.map.weighting.extent());
     let (levels, walk) = (&args.levels, None);
     let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels, extent, walk };
     let mut analysis = Analysis::new(what, global)?;
@@ -336,10 +336,10 @@ fn find_again(
     let schedule = rescale_levels(&args.levels.to_spec(), &analysis.sigma()[1..], step_length)?;
     let bands = check_levels(&args.levels)?;
     let params = args.detect.to_params(&args.border);
-    if analysis.is_cloud_geometry() && params.response != Response::Channels {
+    if analysis.is_geometry() && params.finds_significant(&decomposer) {
         let points = shape.points().unwrap_or_default();
-        let coordinates = CloudCoordinates { points, normals: None, schedule: &schedule, bands };
-        let found = cloud_features(&decomposer, &coordinates, &params, global.progress());
+        let coordinates = ShapeCoordinates { points, normals: None, schedule: &schedule, bands };
+        let found = coordinate_features(&decomposer, &coordinates, &params, global.progress());
         return Ok(found.map_err(|e| CliError::classify(&e))?.features);
     }
     let request =

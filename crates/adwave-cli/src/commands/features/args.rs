@@ -2,7 +2,6 @@
 
 use crate::args::{BorderMaskArgs, DetectArgs, GivenWalkArgs, LevelArgs, ShapeArgs, SignalArgs};
 use crate::commands::analysis::AnalysisArgs;
-use adwave::features::FEATURE_EXTENT;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -47,7 +46,7 @@ impl FeaturesArgs {
             shape: &self.shape,
             signal: &self.signal,
             levels: &self.levels,
-            extent: FEATURE_EXTENT,
+            extent: None,
             walk: Some(&self.walk),
         }
     }

@@ -65,6 +65,9 @@ fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliErro
 fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     let Detection { analysis, features, .. } = detection;
     let mut text = analysis.headline(args.signal.name());
+    if analysis.finds_significant(&args.detect.to_params(&args.border)) && analysis.input.shape.is_mesh() {
+        text += "features stand out from what the triangles and noise can cause; strength is in standard deviations\n";
+    }
     if features.is_empty() {
         let _ = writeln!(text, "no features: {}", suggestion(args, analysis));
     } else {
@@ -92,12 +95,13 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
 /// A table of the first features, with positions in the digits that the size of the shape needs.
 fn list(features: &[Feature], extent: f64) -> String {
     let mut text = table(
-        ["vertex", "x", "y", "z", "level", "sigma", "response", "sign"],
+        ["vertex", "x", "y", "z", "level", "sigma", "response", "strength", "sign"],
         features.iter().take(MAX_PRINTED).map(|f| {
             let [x, y, z] =
                 f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| coordinate_text(c, extent)));
             let (level, sign) = (f.level.to_string(), if f.sign() > 0 { "+" } else { "-" });
-            [f.vertex.to_string(), x, y, z, level, number(f.sigma), number(f.response), sign.to_owned()]
+            let [sigma, response, strength] = [f.sigma, f.response, f.strength].map(number);
+            [f.vertex.to_string(), x, y, z, level, sigma, response, strength, sign.to_owned()]
         }),
     );
     if features.len() > MAX_PRINTED {
@@ -110,8 +114,9 @@ fn list(features: &[Feature], extent: f64) -> String {
 /// Advice if there are no features.
 fn suggestion(args: &FeaturesArgs, analysis: &Analysis) -> &'static str {
     let n_channels = analysis.signal.n_channels;
-    if analysis.is_cloud_geometry() && args.detect.response != Response::Channels {
-        return "nothing stands out from the drawing of the points and from noise; try a lower --theta, or more --levels";
+    if analysis.finds_significant(&args.detect.to_params(&args.border)) {
+        return "nothing stands out from what the sampling and noise can cause; try more --levels, or --theta 2.4 for the \
+                rule of the paper";
     }
     match args.detect.response {
         Response::Normalized if n_channels == 1 => {
@@ -129,6 +134,8 @@ fn count_by_level(features: &[Feature]) -> Vec<(usize, usize)> {
 
 fn report(args: &FeaturesArgs, detection: &Detection) -> Value {
     let Detection { analysis, features, descriptors, seconds } = detection;
+    let params = args.detect.to_params(&args.border);
+    let is_significant = analysis.finds_significant(&params);
     let feature = |(k, f): (usize, &Feature)| {
         let mut json = feature_json(f);
         if let Some(descriptor) = descriptors.get(k) {
@@ -140,7 +147,8 @@ fn report(args: &FeaturesArgs, detection: &Detection) -> Value {
         "shape": analysis.input.name,
         "output": args.output.as_ref().map(|path| path.display().to_string()),
         "field": args.signal.name(),
-        "theta": args.detect.theta,
+        "rule": if is_significant { "significance" } else { "theta" },
+        "theta": (!is_significant || analysis.input.shape.is_cloud()).then(|| params.theta()),
         "vertices": analysis.decomposer.n_vertices(),
         "operator": analysis.decomposer.operator_kind().name(),
         "levels_reason": analysis.levels_reason,

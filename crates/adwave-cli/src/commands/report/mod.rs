@@ -17,7 +17,6 @@ use crate::resolve::signal::{default_signal, field_names, file_normals};
 use crate::resolve::up::UpAxis;
 use crate::resolve::walk::with_given_walk;
 use adwave::bands::Bands;
-use adwave::features::FEATURE_EXTENT;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
@@ -32,7 +31,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let signal = args.signal.with_default(default_signal(&input.file));
     let field = signal.name().to_owned();
     let up = UpAxis::choose(args.up, &input);
-    let (levels, extent) = (&args.levels, FEATURE_EXTENT);
+    let (levels, extent) = (&args.levels, None);
     let what = AnalysisArgs { shape: &args.shape, signal: &signal, levels, extent, walk: Some(&args.walk) };
     let mut analysis = Analysis::from_input(input, watch.lap(), what, global)?;
     let bands = analysis.bands(global)?;

@@ -3,7 +3,7 @@
 use crate::args::{LocalFitArgs, SelectionArgs, count, number, parse_named, shared_noise, size};
 use crate::error::CliError;
 use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams, SharedNoise};
-use adwave::features::FeatureParams;
+use adwave::features::DEFAULT_THETA;
 use adwave::filter::{KeepVolume, KeepVolumeError};
 use adwave::positions::{Borders, MoveDirection};
 use adwave_tiles::{MapKind, MapWeights, Params, TileSelection};
@@ -80,7 +80,7 @@ pub(crate) struct TilesArgs {
     #[arg(long, value_name = "FILE", help_heading = "Bands")]
     pub(crate) features: Option<PathBuf>,
     /// Least response of a feature, relative to the mean response of its level
-    #[arg(long, value_name = "T", value_parser = number, requires = "features", default_value_t = FeatureParams::default().theta, help_heading = "Bands")]
+    #[arg(long, value_name = "T", value_parser = number, requires = "features", default_value_t = DEFAULT_THETA, help_heading = "Bands")]
     pub(crate) theta: f64,
     /// Cloud: nearest neighbors that one step reaches [default: 10, with --denoise 12]
     #[arg(long, value_name = "K", value_parser = count, help_heading = "Bands")]

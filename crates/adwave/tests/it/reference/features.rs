@@ -144,7 +144,7 @@ fn algorithm_2(
                     .map(|y| if search == Search::MeanWithoutBars { r[j][y] } else { r[j][y].abs() })
                     .collect();
                 let mean = others.iter().sum::<f64>() / others.len() as f64;
-                if r[j][x].abs() <= params.theta * mean {
+                if r[j][x].abs() <= params.theta() * mean {
                     continue;
                 }
                 let near: Vec<usize> = (0..n).filter(|&y| neighbors[x][y] && !is_masked[y]).collect();
