@@ -180,7 +180,9 @@ def saliency(
     options = options or SaliencyOptions()
     part = read_part("saliency", shape, selection, _SALIENCY, signal)
     levels = levels_of(levels, selection)
-    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels, analysis=True)
+    decomposer = prepare_decomposer(
+        part.part, exact_operator(operator, selection), levels, analysis=weighting == "signed"
+    )
     signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
     owner, values, _ = decomposer._resolve_signal(signal)

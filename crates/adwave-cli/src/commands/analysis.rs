@@ -8,7 +8,7 @@ use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
 use crate::output::{count, given_normals_json};
 use crate::resolve::levels::{check_levels, resolve_spec};
-use crate::resolve::operator::{operator_for_analysis, prepare_for_signal};
+use crate::resolve::operator::{operator_for_analysis, operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, SignalValues, file_normals, load_signal};
 use crate::resolve::walk::with_given_walk;
@@ -29,6 +29,8 @@ pub(crate) struct AnalysisArgs<'a> {
     pub(crate) shape: &'a ShapeArgs,
     pub(crate) signal: &'a SignalArgs,
     pub(crate) levels: &'a LevelArgs,
+    /// True for the weights of the paper, which go with its walk.
+    pub(crate) is_of_paper: bool,
     /// Share of the diagonal that the last level reaches if no number of levels is asked for; `None` is that of features.
     pub(crate) extent: Option<f64>,
     /// A walk as given; `None` for a command without that option.
@@ -121,14 +123,18 @@ impl Analysis {
         args: AnalysisArgs<'_>,
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
-        let AnalysisArgs { shape, signal, levels, extent, .. } = args;
+        let AnalysisArgs { shape, signal, levels, extent, is_of_paper, .. } = args;
         let params = check_levels(levels)?;
         input.check_lengths(&levels.given_lengths())?;
         let mut watch = Stopwatch::start();
         let name = signal.name();
         // The signal comes first: a name that does not exist is reported before the operator is built.
         let signal = load_signal(global, &input, name, signal.texture.as_deref())?;
-        let operator = operator_for_analysis(&shape.operator, levels, &input.shape)?;
+        let operator = if is_of_paper {
+            operator_for_levels(&shape.operator, levels)?
+        } else {
+            operator_for_analysis(&shape.operator, levels, &input.shape)?
+        };
         let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
         let extent = extent.unwrap_or_else(|| feature_extent(&decomposer));
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;

@@ -71,6 +71,7 @@ impl SaliencyArgs {
             shape: &self.shape,
             signal: &self.signal,
             levels: &self.levels,
+            is_of_paper: self.map.weighting != MapWeighting::Signed,
             extent: Some(extent),
             walk,
         }

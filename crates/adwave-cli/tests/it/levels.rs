@@ -186,7 +186,9 @@ fn the_operator_follows_from_what_is_asked() {
         ("transform sample:torus --vertices 500 --lengths 0.1,0.2,0.4 --operator walk -o a.npz", "walk"),
         ("saliency sample:torus --vertices 500 --levels 4 --operator surface -o a.ply", "surface"),
         ("saliency sample:torus --vertices 500 --lengths 0.1,0.2,0.4 -o a.ply", "surface"),
-        ("features sample:torus --vertices 500 --levels 4", "walk"),
+        ("features sample:torus --vertices 500 --levels 4", "surface"),
+        ("features sample:torus --vertices 500 --levels 4 --rings 2", "walk"),
+        ("features sample:torus --as cloud --vertices 500 --levels 4", "walk"),
         ("features sample:torus --as cloud --vertices 500 --levels 4 --operator surface", "surface"),
         ("basis sample:torus --vertices 500 --vertex 3 --level 4 --operator surface -o a.vtp", "surface"),
     ] {

@@ -110,7 +110,7 @@ fn features_are_shown_from_the_files_that_features_writes() {
     let path = folder.path();
     let mut counts = Vec::new();
     for file in ["f.csv", "f.json"] {
-        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --theta 1.6 -o {file}"));
+        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --operator walk -o {file}"));
         let made = json(
             path,
             &format!("render sample:plane --vertices 2000 -o f.png --size 90x90 --features {file}"),
@@ -119,7 +119,12 @@ fn features_are_shown_from_the_files_that_features_writes() {
     }
     assert!(counts[0] > 0 && counts[0] == counts[1], "{counts:?}");
     for file in ["none.csv", "none.json"] {
-        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --theta 1e9 -o {file}"));
+        json(
+            path,
+            &format!(
+                "features sample:plane --vertices 2000 --levels 7 --operator walk --theta 1e9 -o {file}"
+            ),
+        );
         let line = format!("render sample:plane --vertices 2000 -o f.png --size 90x90 --features {file}");
         assert_eq!(json(path, &line)["features"], 0, "{file}");
     }

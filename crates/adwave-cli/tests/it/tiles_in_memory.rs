@@ -238,7 +238,10 @@ fn maps_features_and_denoising_are_those_of_the_other_commands() {
     }
     // Features of a mesh, which have the same order.
     let line = "--levels 5 --theta 1.2";
-    adwave(path).args(words(&format!("features a.ply -o memory.csv -q {line}"))).assert().success();
+    adwave(path)
+        .args(words(&format!("features a.ply -o memory.csv -q --operator walk {line}")))
+        .assert()
+        .success();
     let tiled = format!("tiles a.ply -o t.ply -q --saliency --features tiles.csv --tiles 3 {line}");
     adwave(path).args(words(&tiled)).assert().success();
     let column = |name: &str| {

@@ -42,11 +42,15 @@ const WITHOUT_DATA: [(&str, &str, &str); 4] = [
 ];
 
 /// Options that act on some data alone, with the kinds of input of the fixtures on which they have nothing to do.
-const BY_DATA: [(&str, &str, &str, &str); 22] = [
+const BY_DATA: [(&str, &str, &str, &str); 26] = [
     ("denoise", "--outliers", "cloud scan", "there are no outliers"),
     ("*", "--as", "cloud scan", "they are clouds"),
     ("*", "--no-weld", "scan own", "no two points are equal"),
     ("*", "--weld", "own", "no two vertices are near"),
+    ("saliency", "--operator", "mesh own", "the default of meshes"),
+    ("features", "--operator", "mesh own", "the default of meshes"),
+    ("evaluate", "--operator", "mesh own", "the default of meshes"),
+    ("report", "--operator", "mesh own", "the default of meshes"),
     ("*", "--accuracy", "*", "levels of few steps are computed exactly"),
     ("*", "--border", "curve", "keeping ends is the default of curves"),
     ("*", "--mask-border", "*", "features need not lie near a border"),

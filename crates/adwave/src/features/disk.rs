@@ -28,7 +28,7 @@ impl PointGrid {
 
     /// Calls `visit` with each point within `reach` of `center` and its squared distance, in an order that the
     /// positions decide.
-    pub(super) fn for_each_within(
+    pub(super) fn visit_within(
         &self,
         points: &[[f64; 3]],
         center: &[f64; 3],

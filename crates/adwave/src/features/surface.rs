@@ -208,7 +208,10 @@ impl Responses {
                 } else {
                     1.0
                 };
-                (unit * correction * dot(&band, &level_normals[x]), (correction * random) as f32)
+                // Where a thin part has collapsed into its axis, the smoothed surface has no normal of this place.
+                let is_same_side = dot(&level_normals[x], &normals[x]) > 0.0;
+                let normal = if is_same_side { &level_normals[x] } else { &normals[x] };
+                (unit * correction * dot(&band, normal), (correction * random) as f32)
             };
             let both: Vec<(f64, f32)> = parallel::collect(rows.len(), both);
             *level = parallel::collect(both.len(), |x| both[x].0);
@@ -478,7 +481,7 @@ impl<'a> Disks<'a> {
         let inner = (RING[0] * sigma).powi(2);
         let mut around: Vec<f64> = Vec::new();
         let (mut squares, mut bends, mut edges, mut n_disk) = (0.0, 0.0, 0.0, 0_usize);
-        self.grid.for_each_within(points, &points[x], RING[1] * sigma, |y, away| {
+        self.grid.visit_within(points, &points[x], RING[1] * sigma, |y, away| {
             let cosine = dot(&normals[x], &normals[y]);
             if cosine < 0.0 {
                 return;
@@ -525,7 +528,7 @@ fn without_side_lobes(found: &[Feature], points: &[[f64; 3]]) -> Vec<Feature> {
         let (mut explained, mut is_same) = (0.0, false);
         for (j, (widest, grid)) in grids.iter().enumerate() {
             let reach = SIDE_LOBE_REACH * widest.max(own.sigma);
-            grid.for_each_within(&places, &places[k], reach, |m, away| {
+            grid.visit_within(&places, &places[k], reach, |m, away| {
                 let other = &found[m];
                 let (own_size, other_size) = (own.response.abs(), other.response.abs());
                 let sigma = own.sigma.max(other.sigma);

@@ -8,7 +8,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::{count, print, table};
 use crate::resolve::levels::{check_levels, rescale_levels};
-use crate::resolve::operator::{build_operator, check_operator, operator_for_levels};
+use crate::resolve::operator::{build_operator, check_operator, operator_for_analysis};
 use crate::resolve::shape::{Carrier, Input};
 use crate::resolve::signal::load_signal;
 use adwave::Progress;
@@ -17,6 +17,7 @@ use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
     change, n_right, repeatability, share_by_chance,
 };
+use adwave::saliency::MapWeighting;
 use adwave::shape::Shape;
 use adwave_io::ShapeFile;
 use adwave_simplify::resample_mesh;
@@ -30,7 +31,8 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
     check_task(args, global)?;
     let extent = args.fixations.is_some().then(|| args.map.weighting.extent());
     let (levels, walk) = (&args.levels, None);
-    let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels, extent, walk };
+    let is_of_paper = args.fixations.is_some() && args.map.weighting != MapWeighting::Signed;
+    let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels, is_of_paper, extent, walk };
     let mut analysis = Analysis::new(what, global)?;
     match &args.fixations {
         Some(fixations) => evaluate_agreement(args, global, &mut analysis, fixations),
@@ -302,7 +304,7 @@ fn find_again(
     changed: &ChangedShape,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+    let operator = operator_for_analysis(&args.shape.operator, &args.levels, shape)?;
     check_operator(shape, &operator, global)?;
     let build = |progress: Progress<'_>| build_operator(shape, &operator, progress);
     let decomposer = with_progress(global, "preparing", build)?;

@@ -46,6 +46,7 @@ impl FeaturesArgs {
             shape: &self.shape,
             signal: &self.signal,
             levels: &self.levels,
+            is_of_paper: false,
             extent: None,
             walk: Some(&self.walk),
         }

@@ -32,7 +32,14 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let field = signal.name().to_owned();
     let up = UpAxis::choose(args.up, &input);
     let (levels, extent) = (&args.levels, None);
-    let what = AnalysisArgs { shape: &args.shape, signal: &signal, levels, extent, walk: Some(&args.walk) };
+    let what = AnalysisArgs {
+        shape: &args.shape,
+        signal: &signal,
+        levels,
+        is_of_paper: false,
+        extent,
+        walk: Some(&args.walk),
+    };
     let mut analysis = Analysis::from_input(input, watch.lap(), what, global)?;
     let bands = analysis.bands(global)?;
     let viewpoint = Viewpoint { view: Some(args.view), up: up.up };
