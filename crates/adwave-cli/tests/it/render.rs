@@ -110,7 +110,12 @@ fn features_are_shown_from_the_files_that_features_writes() {
     let path = folder.path();
     let mut counts = Vec::new();
     for file in ["f.csv", "f.json"] {
-        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --operator walk -o {file}"));
+        json(
+            path,
+            &format!(
+                "features sample:plane --vertices 2000 --levels 7 --operator walk --theta 1.6 -o {file}"
+            ),
+        );
         let made = json(
             path,
             &format!("render sample:plane --vertices 2000 -o f.png --size 90x90 --features {file}"),

@@ -18,6 +18,9 @@ const VARIANCE: f64 = 0.09;
 /// the length of the edges.
 const TRIANGLES: f64 = 0.2;
 
+/// Largest deviation from the mean that the mesh and noise cause, in standard deviations.
+const LARGEST: f64 = 6.0;
+
 /// Estimates of what the mesh of a surface, and noise, contribute to the variance of a level.
 pub(super) struct Discretization {
     /// Variance of independent displacements of the vertices that would make the finest levels as rough as they are.
@@ -59,8 +62,8 @@ impl Discretization {
         Ok(Some(Self { noise, area, edges }))
     }
 
-    /// Share of the variance of a level of width `sigma` that twice the effect of the mesh and of noise does not explain,
-    /// in [0, 1].
+    /// Share of the largest deviation of a level of width `sigma` from its mean that neither the mesh nor noise
+    /// explains, in squares and in [0, 1].
     pub(super) fn unexplained(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> f64 {
         let known = |x: usize| if level[x].is_nan() { 0.0 } else { level[x] };
         let chunk = |range: std::ops::Range<usize>| {
@@ -70,10 +73,13 @@ impl Discretization {
         };
         let sum: f64 = parallel::map_chunks(level.len(), VERTICES_AT_A_TIME, chunk).iter().sum();
         let mean = sum / population.total();
-        let variance = population.mean_over(level.len(), |x| (known(x) - mean).powi(2));
+        let most = parallel::max(level.len(), 0.0, |x| {
+            if population.is_masked(x) { 0.0 } else { (known(x) - mean).abs() }
+        });
         let of_noise = VARIANCE * self.noise * self.area / (sigma * sigma);
         let of_triangles = (TRIANGLES * mean).powi(2) * self.edges / sigma.powi(4);
-        if variance > 0.0 { (1.0 - 2.0 * (of_noise + of_triangles) / variance).max(0.0) } else { 0.0 }
+        let explained = LARGEST * LARGEST * (of_noise + of_triangles);
+        if most > 0.0 { (1.0 - explained / (most * most)).max(0.0) } else { 0.0 }
     }
 }
 

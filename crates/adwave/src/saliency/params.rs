@@ -19,11 +19,11 @@ pub enum Weighting {
     /// `α_j = mean_x(r·ln r)/mean_x|W_f(j,x)|` with `r(x) = |W_f(j,x)|/mean|W_f(j)|`: every level is divided by its
     /// mean and weighted by its unevenness. mean(r·ln r) ≥ 0 is the difference between the entropy of an even level
     /// and that of the level; it is 0 if |W| is the same everywhere (a sphere), so a level on which nothing stands
-    /// out contributes nothing. For heat on a mesh α_j is also multiplied by the share of the level's variance that
-    /// twice the effect of the triangles and of noise does not explain,
-    /// `(1 − 2·(0.09·s²·a/σ_j² + 0.04·⟨W⟩²·⟨e⁴⟩/σ_j⁴)/var W)₊`: s² is the
-    /// variance of independent displacements that would make the two finest levels as rough as they are, a the mean
-    /// area of a vertex, e the mean length of the edges at a vertex. A perfect sphere has saliency 0.
+    /// out contributes nothing. For heat on a mesh α_j is also multiplied by
+    /// `(1 − 36·(0.09·s²·a/σ_j² + 0.04·⟨W⟩²·⟨e⁴⟩/σ_j⁴)/max|W − ⟨W⟩|²)₊`, the share that neither the triangles nor
+    /// noise explain: s² is the variance of independent displacements that would make the two finest levels as rough
+    /// as they are, a the mean area of a vertex, e the mean length of the edges at a vertex. A perfect sphere has
+    /// saliency 0.
     #[default]
     Entropy,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level has the same weight, as for features.
