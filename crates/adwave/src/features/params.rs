@@ -28,7 +28,7 @@ pub fn feature_extent(decomposer: &Decomposer) -> f64 {
         return FEATURE_EXTENT;
     }
     let edges = LEAST_EDGES * decomposer.mean_length() / decomposer.extent();
-    edges.min(MOST_EXTENT).max(FEATURE_EXTENT)
+    if edges.is_nan() { FEATURE_EXTENT } else { edges.clamp(FEATURE_EXTENT, MOST_EXTENT) }
 }
 
 /// Default threshold θ of Algorithm 2.
@@ -86,7 +86,7 @@ pub enum Refinement {
 /// let params = FeatureParams::default().with_theta(2.0).with_best(50);
 /// assert_eq!((params.response, params.best), (Response::Normalized, Some(50)));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct FeatureParams {
     /// Threshold θ > 0 of Algorithm 2: a response must exceed θ times the mean |R| of its level; useful values are 1.6
@@ -107,20 +107,6 @@ pub struct FeatureParams {
     pub border_sigmas: Option<f64>,
     /// Number of features to keep; the strong ones, well spread (see [`select_spread`](super::select_spread)).
     pub best: Option<usize>,
-}
-
-impl Default for FeatureParams {
-    fn default() -> Self {
-        Self {
-            theta: None,
-            response: Response::default(),
-            scope: ThresholdScope::default(),
-            refinement: Refinement::default(),
-            max_edge_ratio: None,
-            border_sigmas: None,
-            best: None,
-        }
-    }
 }
 
 impl FeatureParams {

@@ -103,7 +103,7 @@ fn open_surface(kind: usize, size: usize, uneven: f64, graded: bool, seed: u64) 
 impl Surface {
     /// Noise along the normals with a standard deviation in mean edges.
     fn with_noise(mut self, noise: f64, seed: u64) -> Self {
-        let mut draw = Draw::new(seed ^ 77);
+        let mut draw = Draw::new(seed.wrapping_add(77));
         let normals = vertex_normals(&self.points, &self.triangles);
         let lengths =
             self.triangles.iter().map(|t| distance(&self.points[t[0] as usize], &self.points[t[1] as usize]));
