@@ -77,14 +77,15 @@ pub struct CoordinateFeatures {
 /// larger than on the levels beside j, and |C| exceeds 10 standard deviations d of what this mesh causes where there is
 /// nothing:
 ///
-/// `d² = mean of s²(y)·P(j,y)² over the disk/σ_j² + (0.0085·b·(e/σ_j)²)² + (accuracy·rms R(j)/σ_j)²`
+/// `d² = 0.09·⟨s²·a⟩/σ_j⁴ + (0.0085·b·(e/σ_j)²)² + (accuracy·rms R(j)/σ_j)²`
 ///
-/// s²(y) is the variance of independent displacements that would make the two finest levels as rough as they are, P(j)
-/// the band of random numbers of variance 1, b the root mean square difference of the normals from that at x, and e the
-/// root mean square length of the edges, both over the disk. Side lobes beside stronger features of the opposite sign
-/// and weaker answers to the same detail are dropped. Closer than 4σ_j to a border there are none, unless [`FeatureParams::border_sigmas`] says otherwise. `response` is C, `strength` is |C|/d, and `sigma`
-/// lies between levels: for a Gaussian bump of small height it is its standard deviation to 10 %. θ, the response and
-/// the scope of the parameters do not apply.
+/// s² is the variance of independent displacements that would make the two finest levels as rough as they are, a
+/// the area of a vertex, b the root mean square difference of the normals from that at x, and e the root mean
+/// square length of the edges; means run over the disk. Side lobes beside stronger features of the opposite sign
+/// and weaker answers to the same detail are dropped. Closer than 4σ_j to a border there are none, unless
+/// [`FeatureParams::border_sigmas`] says otherwise. `response` is C, `strength` is |C|/d, and `sigma` lies between
+/// levels: for a Gaussian bump of small height it is its standard deviation to 10 %. θ, the response and the scope
+/// of the parameters do not apply.
 ///
 /// *Cloud.* The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n`
 /// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as

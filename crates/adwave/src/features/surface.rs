@@ -3,8 +3,8 @@
 //! On a smooth surface the band of the coordinates is the mean curvature at the width of the level. Two things make it
 //! uneven where the surface is not: the triangles, which no diffusion on a mesh ignores completely, and noise. The first
 //! is measured by a signal whose bands are known, the squared distance, and corrected; what is left of both shows on the
-//! two finest levels as roughness between adjacent vertices, and bands of random numbers tell how much of it reaches the
-//! other levels. A feature must stand out from the ring around it by several times as much.
+//! two finest levels as roughness between adjacent vertices, from which follows how much of it reaches the other levels. A
+//! feature must stand out from the ring around it by several times as much.
 
 use super::cloud::{MOST_CORRECTION, ROUNDING};
 use super::detect::{Neighborhood, first_members};
@@ -17,12 +17,10 @@ use super::{
 };
 use crate::bands::Wavelets;
 use crate::population::Population;
+use crate::saliency::{ROUGHNESS, VARIANCE, roughness_at};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 
 /// Least contrast of a feature, in standard deviations due to noise and to the triangles.
 const SIGNIFICANT: f64 = 10.0;
@@ -87,8 +85,8 @@ pub(super) fn mesh_features(
 ) -> Result<CoordinateFeatures, CoordinateFeatureError> {
     let geometry = decomposer.geometry_for("a search for features of a mesh")?;
     let ring = decomposer.ring(progress.quiet())?;
-    let responses = Responses::new(decomposer, geometry, coordinates, normals, progress)?;
-    let roughness = Roughness::new(&responses, &ring);
+    let wavelets = responses(decomposer, geometry, coordinates, normals, progress)?;
+    let roughness = roughness(decomposer, &wavelets, &ring);
     let points = decomposer.positions();
     let square_edges: Vec<f64> = parallel::collect(points.len(), |x| {
         let row = ring.row(x);
@@ -96,14 +94,14 @@ pub(super) fn mesh_features(
         sum / row.len().max(1) as f64
     });
     let border_sigmas = params.border_sigmas.unwrap_or(BORDER);
-    let widest = responses.wavelets.sigma.last().copied().unwrap_or(0.0);
+    let widest = wavelets.sigma.last().copied().unwrap_or(0.0);
     let from_border =
         decomposer.distance_from_border(border_sigmas.max(RING_BORDER) * widest, progress.quiet())?;
     let accuracy = coordinates.bands.accuracy;
     let population = Population::new(decomposer);
-    let floors: Vec<f64> = (1..=responses.wavelets.n_levels())
+    let floors: Vec<f64> = (1..=wavelets.n_levels())
         .map(|j| {
-            let (level, sigma) = (&responses.wavelets.levels[j - 1], responses.wavelets.sigma[j]);
+            let (level, sigma) = (&wavelets.levels[j - 1], wavelets.sigma[j]);
             let square =
                 population.mean_over(level.len(), |x| if level[x].is_nan() { 0.0 } else { level[x].powi(2) });
             accuracy * square.sqrt() / sigma + ROUNDING / SIGNIFICANT
@@ -111,7 +109,7 @@ pub(super) fn mesh_features(
         .collect();
     let search = Search {
         decomposer,
-        responses: &responses,
+        wavelets: &wavelets,
         roughness: &roughness,
         normals,
         ring: &ring,
@@ -121,7 +119,7 @@ pub(super) fn mesh_features(
         floors: &floors,
     };
     let mut found = Vec::new();
-    for j in 2..responses.wavelets.n_levels() {
+    for j in 2..wavelets.n_levels() {
         progress.check()?;
         found.extend(search.level(j, params, progress.quiet())?);
     }
@@ -136,89 +134,74 @@ pub(super) fn mesh_features(
     if let Some(best) = params.best {
         features = select_spread(&features, best);
     }
-    Ok(CoordinateFeatures { features, wavelets: responses.wavelets })
+    Ok(CoordinateFeatures { features, wavelets })
 }
 
-/// Responses of the coordinates, and of random numbers.
-struct Responses {
-    /// Components of the bands along the normals of the smoothed surface, corrected for the triangles; one channel.
-    wavelets: Wavelets,
-    /// Bands of independent random numbers of variance 1, with the same corrections.
-    random: Vec<Vec<f32>>,
-}
-
-impl Responses {
-    /// Bands of the coordinates, of the squared distance from their center and of random numbers.
-    ///
-    /// The component along the normal is multiplied by `m_j/M_j(x)` with `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²`, the second
-    /// moment of the wavelet, and its value `m_j = −(σ_j² − σ_(j−1)²)` for heat on a plane. If both principal
-    /// curvatures are equal, what the triangles do to the component cancels. The normals are those of the surface
-    /// smoothed by S(j), so that noise does not tilt them.
-    fn new(
-        decomposer: &Decomposer,
-        geometry: &PreparedGeometry,
-        coordinates: &ShapeCoordinates<'_>,
-        normals: &[[f64; 3]],
-        progress: Progress<'_>,
-    ) -> Result<Self, CoordinateFeatureError> {
-        const CHANNELS: usize = 5;
-        let points = decomposer.positions();
-        let n = points.len();
-        // In units of the extent, so that squares neither overflow nor underflow.
-        let unit = if decomposer.extent().is_normal() { decomposer.extent() } else { 1.0 };
-        let center: [f64; 3] =
-            std::array::from_fn(|c| parallel::sum(n, |x| points[x][c] / unit) / n.max(1) as f64);
-        let from_center: Vec<[f64; 3]> =
-            parallel::collect(n, |x| std::array::from_fn(|c| points[x][c] / unit - center[c]));
-        let mut generator = Pcg64Mcg::seed_from_u64(1);
-        let random: Vec<f64> = (0..n).map(|_| StandardNormal.sample(&mut generator)).collect();
-        let row = |x: usize| {
-            let p = from_center[x];
-            [p[0], p[1], p[2], dot(&p, &p), random[x]]
-        };
-        let map = decomposer.vertex_map().as_slice();
-        let signal: Vec<[f64; CHANNELS]> = parallel::collect(map.len(), |v| row(map[v] as usize));
-        drop(random);
-        let request = decomposer.request(signal.as_flattened(), CHANNELS, coordinates.schedule);
-        let mut wavelets = request.params(&coordinates.bands).progress(progress).wavelets()?;
-        drop(signal);
-        wavelets.n_channels = 1;
-        let orientation = Orientation::new(geometry, &from_center, normals, progress.quiet())?;
-        let mut smoothed = from_center.clone();
-        let mut random = Vec::with_capacity(wavelets.n_levels());
-        let mut finer = 0.0;
-        for (level, sigma) in wavelets.levels.iter_mut().zip(&wavelets.sigma[1..]) {
-            let rows = level.as_chunks::<CHANNELS>().0;
-            parallel::visit_rows(&mut smoothed, 1, VERTICES_AT_A_TIME, |first, points| {
-                for (point, row) in points.iter_mut().zip(&rows[first..]) {
-                    (0..3).filter(|&c| !row[c].is_nan()).for_each(|c| point[c] -= row[c]);
-                }
-            });
-            let level_normals = orientation.normals(&smoothed, normals);
-            let square = (sigma / unit).powi(2);
-            let usual = finer - square;
-            finer = square;
-            let both = |x: usize| {
-                let [a, b, c, square, random] = rows[x];
-                let band = [a, b, c];
-                let moment = square - 2.0 * dot(&band, &from_center[x]);
-                let correction = usual / moment;
-                let correction = if correction > 0.0 && correction.is_finite() {
-                    correction.clamp(1.0 / MOST_CORRECTION, MOST_CORRECTION)
-                } else {
-                    1.0
-                };
-                // Where a thin part has collapsed into its axis, the smoothed surface has no normal of this place.
-                let is_same_side = dot(&level_normals[x], &normals[x]) > 0.0;
-                let normal = if is_same_side { &level_normals[x] } else { &normals[x] };
-                (unit * correction * dot(&band, normal), (correction * random) as f32)
+/// Components of the bands of the coordinates along the normals of the smoothed surface, corrected for the triangles, as
+/// bands of one channel.
+///
+/// The component along the normal is multiplied by `m_j/M_j(x)` with `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²`, the second moment
+/// of the wavelet, and its value `m_j = −(σ_j² − σ_(j−1)²)` for heat on a plane. If both principal curvatures are equal,
+/// what the triangles do to the component cancels. The normals are those of the surface smoothed by S(j), so that noise
+/// does not tilt them. The squared distance from the center is the fourth channel, with which M_j is known.
+fn responses(
+    decomposer: &Decomposer,
+    geometry: &PreparedGeometry,
+    coordinates: &ShapeCoordinates<'_>,
+    normals: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Wavelets, CoordinateFeatureError> {
+    const CHANNELS: usize = 4;
+    let points = decomposer.positions();
+    let n = points.len();
+    // In units of the extent, so that squares neither overflow nor underflow.
+    let unit = if decomposer.extent().is_normal() { decomposer.extent() } else { 1.0 };
+    let center: [f64; 3] =
+        std::array::from_fn(|c| parallel::sum(n, |x| points[x][c] / unit) / n.max(1) as f64);
+    let from_center: Vec<[f64; 3]> =
+        parallel::collect(n, |x| std::array::from_fn(|c| points[x][c] / unit - center[c]));
+    let row = |x: usize| {
+        let p = from_center[x];
+        [p[0], p[1], p[2], dot(&p, &p)]
+    };
+    let map = decomposer.vertex_map().as_slice();
+    let signal: Vec<[f64; CHANNELS]> = parallel::collect(map.len(), |v| row(map[v] as usize));
+    let request = decomposer.request(signal.as_flattened(), CHANNELS, coordinates.schedule);
+    let mut wavelets = request.params(&coordinates.bands).progress(progress).wavelets()?;
+    drop(signal);
+    wavelets.n_channels = 1;
+    let orientation = Orientation::new(geometry, &from_center, normals, progress.quiet())?;
+    let mut smoothed = from_center.clone();
+    let mut finer = 0.0;
+    for (level, sigma) in wavelets.levels.iter_mut().zip(&wavelets.sigma[1..]) {
+        let rows = level.as_chunks::<CHANNELS>().0;
+        parallel::visit_rows(&mut smoothed, 1, VERTICES_AT_A_TIME, |first, points| {
+            for (point, row) in points.iter_mut().zip(&rows[first..]) {
+                (0..3).filter(|&c| !row[c].is_nan()).for_each(|c| point[c] -= row[c]);
+            }
+        });
+        let level_normals = orientation.normals(&smoothed, normals);
+        let square = (sigma / unit).powi(2);
+        let usual = finer - square;
+        finer = square;
+        let response = |x: usize| {
+            let [a, b, c, square] = rows[x];
+            let band = [a, b, c];
+            let moment = square - 2.0 * dot(&band, &from_center[x]);
+            let correction = usual / moment;
+            let correction = if correction > 0.0 && correction.is_finite() {
+                correction.clamp(1.0 / MOST_CORRECTION, MOST_CORRECTION)
+            } else {
+                1.0
             };
-            let both: Vec<(f64, f32)> = parallel::collect(rows.len(), both);
-            *level = parallel::collect(both.len(), |x| both[x].0);
-            random.push(parallel::collect(both.len(), |x| both[x].1));
-        }
-        Ok(Self { wavelets, random })
+            // Where a thin part has collapsed into its axis, the smoothed surface has no normal of this place.
+            let is_same_side = dot(&level_normals[x], &normals[x]) > 0.0;
+            let normal = if is_same_side { &level_normals[x] } else { &normals[x] };
+            unit * correction * dot(&band, normal)
+        };
+        *level = parallel::collect(rows.len(), response);
     }
+    Ok(wavelets)
 }
 
 /// Sides of the triangles, from which normals of the surface follow when its vertices move.
@@ -267,51 +250,29 @@ fn triangle_normal(points: &[[f64; 3]], triangle: &[u32; 3]) -> [f64; 3] {
     cross(&subtract(b, a), &subtract(c, a))
 }
 
-/// Variance of independent normal displacements of the vertices that would make the finest levels as rough as they are,
-/// in squared model units.
-struct Roughness {
-    groups: Vec<f64>,
-}
-
-impl Roughness {
-    /// Compares the roughness of the two finest levels with that of the bands of random numbers, for groups of adjacent
-    /// vertices, and takes the larger estimate.
-    fn new(responses: &Responses, ring: &Adjacency) -> Self {
-        let n = responses.wavelets.n_welded();
-        let group = |g: usize| {
-            let vertices = g * VERTICES_TOGETHER..((g + 1) * VERTICES_TOGETHER).min(n);
-            let estimate = |j: usize| {
-                let (level, random) = (&responses.wavelets.levels[j], &responses.random[j]);
-                let (mut squares, mut of_random) = (0.0, 0.0);
-                for x in vertices.clone() {
-                    let neighbors = ring.row(x);
-                    if neighbors.is_empty() || level[x].is_nan() {
-                        continue;
-                    }
-                    let share = 1.0 / neighbors.len() as f64;
-                    let mean: f64 = neighbors.iter().map(|&y| share * level[y as usize]).sum();
-                    let random_mean: f64 =
-                        neighbors.iter().map(|&y| share * f64::from(random[y as usize])).sum();
-                    squares += (level[x] - mean).powi(2);
-                    of_random += (f64::from(random[x]) - random_mean).powi(2);
-                }
-                if of_random > 0.0 { squares / of_random } else { 0.0 }
-            };
-            estimate(0).max(estimate(1))
+/// Roughness of the two finest levels, at each vertex: the variance of independent normal displacements that would cause
+/// it, times the area of the vertex, to the fourth power of model units. The larger estimate counts, for groups of
+/// adjacent vertices.
+fn roughness(decomposer: &Decomposer, wavelets: &Wavelets, ring: &Adjacency) -> Vec<f64> {
+    let n = wavelets.n_welded();
+    let group = |g: usize| {
+        let vertices = g * VERTICES_TOGETHER..((g + 1) * VERTICES_TOGETHER).min(n);
+        let estimate = |(level, of_noise): (&Vec<f64>, f64)| {
+            let rough = vertices.clone().map(|x| roughness_at(ring, level, x));
+            rough.sum::<f64>() / (vertices.len() as f64 * of_noise)
         };
-        Self { groups: parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group) }
-    }
-
-    fn variance(&self, x: usize) -> f64 {
-        self.groups[x / VERTICES_TOGETHER]
-    }
+        wavelets.levels.iter().zip(ROUGHNESS).map(estimate).fold(0.0, f64::max)
+    };
+    let groups: Vec<f64> = parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group);
+    let areas = decomposer.place_measure();
+    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(0.0, |areas| areas[x]))
 }
 
 /// Search on the levels of one shape.
 struct Search<'a> {
     decomposer: &'a Decomposer,
-    responses: &'a Responses,
-    roughness: &'a Roughness,
+    wavelets: &'a Wavelets,
+    roughness: &'a [f64],
     normals: &'a [[f64; 3]],
     ring: &'a Adjacency,
     /// Mean square length of the edges at each vertex, in squared model units.
@@ -339,7 +300,7 @@ impl Search<'_> {
         params: &FeatureParams,
         progress: Progress<'_>,
     ) -> Result<Vec<Feature>, Cancelled> {
-        let wavelets = &self.responses.wavelets;
+        let wavelets = &self.wavelets;
         let here = &wavelets.levels[j - 1];
         let reach = self.border_sigmas * wavelets.sigma[j];
         let extrema = parallel::try_map_chunks(
@@ -396,7 +357,7 @@ impl Search<'_> {
             return None;
         }
         let sign = here.value.signum();
-        let sigma = [j - 1, j, j + 1].map(|level| self.responses.wavelets.sigma[level]);
+        let sigma = [j - 1, j, j + 1].map(|level| self.wavelets.sigma[level]);
         let beside = |k: usize| disks[k].contrast(x).map_or(0.0, |contrast| sign * contrast.value);
         let contrasts = [beside(0), here.value.abs(), beside(2)];
         let compared: [f64; 3] =
@@ -452,8 +413,8 @@ struct Disks<'a> {
 
 impl<'a> Disks<'a> {
     fn new(search: &'a Search<'a>, j: usize) -> Self {
-        let sigma = search.responses.wavelets.sigma[j];
-        let level = &search.responses.wavelets.levels[j - 1];
+        let sigma = search.wavelets.sigma[j];
+        let level = &search.wavelets.levels[j - 1];
         let least = (SPACING * sigma).powi(2);
         let mut area = least;
         let is_chosen = |x: &u32| {
@@ -474,9 +435,8 @@ impl<'a> Disks<'a> {
     /// Contrast of `x` on the level; `None` if too few points surround it. Points of an opposite side of the surface do
     /// not count.
     fn contrast(&self, x: usize) -> Option<Contrast> {
-        let Search { decomposer, responses, roughness, normals, square_edges, floors, .. } = self.search;
-        let (sigma, level) = (responses.wavelets.sigma[self.j], &responses.wavelets.levels[self.j - 1]);
-        let random = &responses.random[self.j - 1];
+        let Search { decomposer, wavelets, roughness, normals, square_edges, floors, .. } = self.search;
+        let (sigma, level) = (wavelets.sigma[self.j], &wavelets.levels[self.j - 1]);
         let points = decomposer.positions();
         let inner = (RING[0] * sigma).powi(2);
         let mut around: Vec<f64> = Vec::new();
@@ -486,7 +446,7 @@ impl<'a> Disks<'a> {
             if cosine < 0.0 {
                 return;
             }
-            squares += roughness.variance(y) * f64::from(random[y]).powi(2);
+            squares += roughness[y];
             bends += 2.0 * (1.0 - cosine);
             edges += square_edges[y];
             n_disk += 1;
@@ -500,7 +460,7 @@ impl<'a> Disks<'a> {
         let middle = around.len() / 2;
         let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
         let share = 1.0 / n_disk as f64;
-        let noise = (share * squares).sqrt() / sigma;
+        let noise = (VARIANCE * share * squares).sqrt() / (sigma * sigma);
         let systematic =
             SYSTEMATIC * RESPONSE_OF_NORMALS * (share * bends).sqrt() * share * edges / (sigma * sigma);
         let deviation = noise.hypot(systematic).hypot(floors[self.j - 1]);

@@ -8,11 +8,11 @@ use crate::{Cancelled, Decomposer, Progress, parallel};
 
 /// Mean square difference between a vertex and the mean of its ring on the two finest levels, for independent values of
 /// variance 1 on an even mesh.
-const ROUGHNESS: [f64; 2] = [0.26, 0.068];
+pub(crate) const ROUGHNESS: [f64; 2] = [0.26, 0.068];
 
 /// Variance on a level for independent values of variance 1, times σ_j² and divided by the area of a vertex. It is
 /// (4 + 2 − 16/3)/4π = 0.053 on a plane, and up to 0.09 on the finest levels and on uneven meshes.
-const VARIANCE: f64 = 0.09;
+pub(crate) const VARIANCE: f64 = 0.09;
 
 /// Deviation of a level due to the triangles, relative to its mean, for edges as long as σ; it falls with the square of
 /// the length of the edges.
@@ -48,7 +48,7 @@ impl Discretization {
         let noise = levels
             .iter()
             .zip(ROUGHNESS)
-            .map(|(level, of_noise)| population.mean_over(n, |x| roughness(&ring, level, x)) / of_noise);
+            .map(|(level, of_noise)| population.mean_over(n, |x| roughness_at(&ring, level, x)) / of_noise);
         let noise = noise.fold(0.0, f64::max);
         let points = decomposer.positions();
         let n_members = (0..n).filter(|&x| !population.is_masked(x)).count().max(1);
@@ -84,7 +84,7 @@ impl Discretization {
 }
 
 /// Squared difference between the value at `x` and the mean over its ring.
-fn roughness(ring: &Adjacency, level: &[f64], x: usize) -> f64 {
+pub(crate) fn roughness_at(ring: &Adjacency, level: &[f64], x: usize) -> f64 {
     let row = ring.row(x);
     if row.is_empty() || level[x].is_nan() {
         return 0.0;

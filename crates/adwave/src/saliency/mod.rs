@@ -10,6 +10,7 @@ mod drawn;
 mod height;
 mod params;
 
+pub(crate) use discretization::{ROUGHNESS, VARIANCE, roughness_at};
 pub use drawn::saliency_f32;
 pub use height::with_height;
 pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
