@@ -59,7 +59,7 @@ pub struct ShapeCoordinates<'a> {
 /// Features and the responses in which they were found.
 #[derive(Clone, Debug)]
 pub struct CoordinateFeatures {
-    /// The features, in the order of [`features`].
+    /// The features, in the order of [`features`](super::features()).
     pub features: Vec<Feature>,
     /// Responses W_j·n, corrected for the mesh or for the spread of the points, in model units, as bands of one
     /// channel: positive where the surface is convex at the size of the level, if the shape has an outside. Those of
@@ -88,8 +88,8 @@ pub struct CoordinateFeatures {
 /// of the parameters do not apply.
 ///
 /// *Cloud.* The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n`
-/// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as
-/// [`Response::Sigma`] does, since on a smooth cloud no level is more uneven than another. A feature must differ from
+/// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`](super::Response::Normalized) divides by σ_j as
+/// [`Response::Sigma`](super::Response::Sigma) does, since on a smooth cloud no level is more uneven than another. A feature must differ from
 /// the mean of the response between σ and 2σ around it by more than 9 standard deviations of the response. The standard
 /// deviation is the root mean square difference from the responses of two random halves of the points, the larger of
 /// the local and the global one. Levels finer than half of the points resolves have no features, and the features of
