@@ -74,10 +74,10 @@ pub struct CoordinateFeatures {
 /// moment `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` of the wavelet and its value `m_j = −(σ_j² − σ_(j−1)²)` on a plane. Its
 /// contrast is `C(j,x) = (R(j,x) − median of R(j) over the ring of 1.5 to 2.5 σ_j)/σ_j`, so that a uniform response,
 /// however large, is no feature. A feature is a vertex at which R(j) is extremal within two rings, σ_j^(−¼)·C(j) is
-/// larger than on the levels beside j, and |C| exceeds 10 standard deviations d of what this mesh causes where there is
+/// larger than on the levels beside j, and |C| exceeds 14 standard deviations d of what this mesh causes where there is
 /// nothing:
 ///
-/// `d² = 0.09·⟨s²·a⟩/σ_j⁴ + (0.0085·b·(e/σ_j)²)² + (accuracy·rms R(j)/σ_j)²`
+/// `d² = 0.09·⟨s²·a⟩/σ_j⁴ + (0.0061·b·(e/σ_j)²)² + (accuracy·rms R(j)/σ_j)²`
 ///
 /// s² is the variance of independent displacements that would make the two finest levels as rough as they are, a
 /// the area of a vertex, b the root mean square difference of the normals from that at x, and e the root mean

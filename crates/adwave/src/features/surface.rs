@@ -23,7 +23,7 @@ use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
 
 /// Least contrast of a feature, in standard deviations due to noise and to the triangles.
-const SIGNIFICANT: f64 = 10.0;
+const SIGNIFICANT: f64 = 14.0;
 
 /// Largest error of a level due to the triangles, relative to the response of a sphere that is curved as the surroundings
 /// are, for edges as long as σ, divided by [`SIGNIFICANT`]; it falls with the square of the length of the edges.
