@@ -64,7 +64,7 @@ fn the_method_knows_no_files_and_no_terminal() {
 
 /// Modules of `adwave` from the bottom up; modules of one line may not import each other. A module that moves to
 /// another layer moves here as well.
-const LAYERS: [&[&str]; 18] = [
+const LAYERS: [&[&str]; 19] = [
     &["error", "named", "pages"],
     &["progress", "vector"],
     &["parallel"],
@@ -81,7 +81,8 @@ const LAYERS: [&[&str]; 18] = [
     &["decomposer"],
     &["editor", "positions", "denoise"],
     &["population"],
-    &["saliency", "features"],
+    &["saliency"],
+    &["features"],
     &["measure"],
 ];
 
