@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 #[derive(Debug, Args)]
 pub(crate) struct BorderMaskArgs {
     /// Mask features within S·σ of a border or of masked vertices, and let each level of a map fade in between S·σ and
-    /// 2·S·σ; coordinates need 1
+    /// 2·S·σ; maps of coordinates need 1 [default: 4 for significant features of a mesh, otherwise no mask]
     #[arg(
         long = "mask-border",
         alias = "border",

@@ -4,8 +4,7 @@ use super::cloud::cloud_features;
 use super::surface::mesh_features;
 use super::{Feature, FeatureError, FeatureParams};
 use crate::bands::{BandsError, BandsParams, Schedule, Wavelets};
-use crate::shape::NoShape;
-use crate::shape::{triangles_at_vertices, try_vertex_normals};
+use crate::shape::{NoShape, triangles_at_vertices, try_vertex_normals};
 use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use thiserror::Error;
@@ -87,13 +86,15 @@ pub struct CoordinateFeatures {
 /// levels: for a Gaussian bump of small height it is its standard deviation to 10 %. θ, the response and the scope
 /// of the parameters do not apply.
 ///
-/// *Cloud.* The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n`
-/// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`](super::Response::Normalized) divides by σ_j as
-/// [`Response::Sigma`](super::Response::Sigma) does, since on a smooth cloud no level is more uneven than another. A feature must differ from
-/// the mean of the response between σ and 2σ around it by more than 9 standard deviations of the response. The standard
-/// deviation is the root mean square difference from the responses of two random halves of the points, the larger of
-/// the local and the global one. Levels finer than half of the points resolves have no features, and the features of
-/// the last level include bumps that are wider. Of significant features within σ of each other the strongest is kept.
+/// *Cloud.* The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a
+/// sphere `W_j·n` is `−M_j/2R` at every point. Its median is subtracted, and
+/// [`Response::Normalized`](super::Response::Normalized) divides by σ_j as
+/// [`Response::Sigma`](super::Response::Sigma) does, since on a smooth cloud no level is more uneven than another. A
+/// feature must differ from the mean of the response between σ and 2σ around it by more than 9 standard deviations of
+/// the response. The standard deviation is the root mean square difference from the responses of two random halves of
+/// the points, the larger of the local and the global one. Levels finer than half of the points resolves have no
+/// features, and the features of the last level include bumps that are wider. Of significant features within σ of
+/// each other the strongest is kept.
 ///
 /// # Errors
 /// [`CoordinateFeatureError`] if the bands, the normals or the features cannot be computed.
@@ -103,7 +104,7 @@ pub struct CoordinateFeatures {
 ///
 /// ```
 /// use adwave::bands::{BandsParams, Schedule};
-/// use adwave::features::{ShapeCoordinates, FeatureParams, coordinate_features};
+/// use adwave::features::{FeatureParams, ShapeCoordinates, coordinate_features};
 /// use adwave::sample::Sample;
 /// use adwave::shape::{PointCloud, Shape};
 /// use adwave::{Decomposer, Progress};

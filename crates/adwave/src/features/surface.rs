@@ -3,8 +3,8 @@
 //! On a smooth surface the band of the coordinates is the mean curvature at the width of the level. Two things make it
 //! uneven where the surface is not: the triangles, which no diffusion on a mesh ignores completely, and noise. The first
 //! is measured by a signal whose bands are known, the squared distance, and corrected; what is left of both shows on the
-//! two finest levels as roughness between adjacent vertices, from which follows how much of it reaches the other levels. A
-//! feature must stand out from the ring around it by several times as much.
+//! two finest levels as roughness between adjacent vertices, and how much of it reaches a coarser level follows from the
+//! area of the kernel. A feature must stand out from the ring around it by many times as much.
 
 use super::cloud::{MOST_CORRECTION, ROUNDING};
 use super::detect::{Neighborhood, first_members};
@@ -17,6 +17,7 @@ use super::{
 };
 use crate::bands::Wavelets;
 use crate::population::Population;
+use crate::rows::Pattern;
 use crate::saliency::{ROUGHNESS, VARIANCE, roughness_at};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
@@ -207,7 +208,7 @@ fn responses(
 /// Sides of the triangles, from which normals of the surface follow when its vertices move.
 struct Orientation<'a> {
     triangles: &'a [[u32; 3]],
-    at_vertex: crate::rows::Pattern,
+    at_vertex: Pattern,
     is_turned: Vec<bool>,
 }
 
@@ -250,9 +251,9 @@ fn triangle_normal(points: &[[f64; 3]], triangle: &[u32; 3]) -> [f64; 3] {
     cross(&subtract(b, a), &subtract(c, a))
 }
 
-/// Roughness of the two finest levels, at each vertex: the variance of independent normal displacements that would cause
-/// it, times the area of the vertex, to the fourth power of model units. The larger estimate counts, for groups of
-/// adjacent vertices.
+/// Roughness of the two finest levels at each vertex: the variance of independent normal displacements that would cause
+/// it, times the area of the vertex, in model units to the fourth power. Groups of adjacent vertices share the larger of
+/// the two estimates.
 fn roughness(decomposer: &Decomposer, wavelets: &Wavelets, ring: &Adjacency) -> Vec<f64> {
     let n = wavelets.n_welded();
     let group = |g: usize| {
@@ -265,7 +266,7 @@ fn roughness(decomposer: &Decomposer, wavelets: &Wavelets, ring: &Adjacency) -> 
     };
     let groups: Vec<f64> = parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group);
     let areas = decomposer.place_measure();
-    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(0.0, |areas| areas[x]))
+    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(1.0, |areas| areas[x]))
 }
 
 /// Search on the levels of one shape.
@@ -284,7 +285,7 @@ struct Search<'a> {
 }
 
 /// Comparison of a point with its surroundings on a level.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Contrast {
     /// Response less the median over the ring, divided by σ.
     value: f64,
@@ -366,7 +367,7 @@ impl Search<'_> {
         if compared[0] >= compared[1] - tie || compared[2] > compared[1] + tie {
             return None;
         }
-        // The extremum of the level must be one of the same kind: a bump of a smaller dent is none.
+        // The extremum must be of the same kind as the contrast: a maximum above the ring, or a minimum below it.
         let is_peak = self
             .ring
             .row(x)
