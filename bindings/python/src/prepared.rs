@@ -121,6 +121,11 @@ impl Prepared {
         self.decomposer.n_vertices()
     }
 
+    /// Default accuracy of the bands of maps and features.
+    fn analysis_accuracy(&self) -> f64 {
+        self.decomposer.analysis_accuracy()
+    }
+
     /// Share of the extent that the last level for features reaches by default.
     fn feature_extent(&self) -> f64 {
         adwave::features::feature_extent(&self.decomposer)

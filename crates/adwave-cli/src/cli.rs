@@ -183,7 +183,7 @@ pub(crate) enum Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adwave::bands::{BandsParams, DEFAULT_EXTENT};
+    use adwave::bands::DEFAULT_EXTENT;
     use adwave::features::{FEATURE_EXTENT, FeatureParams};
     use adwave::operator::OperatorParams;
     use adwave::saliency::{SALIENCY_EXTENT, SaliencyParams};
@@ -199,7 +199,6 @@ mod tests {
         let Command::Saliency(saliency) = parse("adwave saliency a.ply -o b.ply") else { panic!("saliency") };
         assert_eq!(saliency.map.to_params(&saliency.border), SaliencyParams::default());
         assert_eq!(saliency.shape.operator.to_walk_params(), OperatorParams::default());
-        assert_eq!(saliency.levels.accuracy, BandsParams::default().accuracy);
         let Command::Features(features) = parse("adwave features a.ply") else { panic!("features") };
         assert_eq!(features.detect.to_params(&features.border), FeatureParams::default());
     }

@@ -131,7 +131,7 @@ def saliency(
     options: SaliencyOptions | None = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
-    accuracy: float = _native.ACCURACY,
+    accuracy: float | None = None,
     progress: ProgressLike = None,
     **selection: Unpack[SignalOptions],
 ) -> Saliency:
@@ -153,8 +153,8 @@ def saliency(
         As in `decompose`; by default until one is 16 % of the diagonal wide.
     operator : str or Operator, optional
         As in `decompose`.
-    accuracy : float
-        As in `decompose`.
+    accuracy : float, optional
+        As in `decompose`; 1e-5 by default for heat on a mesh, whose triangles cause larger errors.
     progress : bool or callable, optional
         As in `decompose`.
     **selection
@@ -186,7 +186,7 @@ def saliency(
     signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
     owner, values, _ = decomposer._resolve_signal(signal)
-    request = BandsRequest(values, steps, accuracy)
+    request = BandsRequest(values, steps, owner._data.analysis_accuracy() if accuracy is None else accuracy)
     with report_progress(progress, "splitting") as report:
         array, each, rows, sides = _native.saliency_map(owner._data, request, weighting, options, report)
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
@@ -293,7 +293,7 @@ def features(
     options: FeatureOptions | None = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
-    accuracy: float = _native.ACCURACY,
+    accuracy: float | None = None,
     progress: ProgressLike = None,
     **selection: Unpack[SignalOptions],
 ) -> Features:
@@ -320,8 +320,8 @@ def features(
         As in `decompose`; by default until one is 4 % of the diagonal wide.
     operator : str or Operator, optional
         As in `decompose`.
-    accuracy : float
-        As in `decompose`.
+    accuracy : float, optional
+        As in `decompose`; 1e-5 by default for heat on a mesh, whose triangles cause larger errors.
     progress : bool or callable, optional
         As in `decompose`.
     **selection
@@ -352,7 +352,8 @@ def features(
     signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=decomposer._data.feature_extent())
     owner, values, _ = decomposer._resolve_signal(signal)
-    request, threshold = BandsRequest(values, steps, accuracy), FeatureThreshold(theta, best)
+    request = BandsRequest(values, steps, owner._data.analysis_accuracy() if accuracy is None else accuracy)
+    threshold = FeatureThreshold(theta, best)
     with report_progress(progress, "splitting") as report:
         columns = _native.find_features(owner._data, request, threshold, options, report)
     found = np.empty(len(columns["vertex"]), dtype=_FEATURE)

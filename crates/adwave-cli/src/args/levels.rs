@@ -3,7 +3,6 @@
 use super::given_length::GivenLength;
 use super::parse::{count, length, number};
 use adwave::LevelSpec;
-use adwave::bands::BandsParams;
 use adwave::region::Length;
 use clap::Args;
 
@@ -22,9 +21,10 @@ pub(crate) struct LevelArgs {
     /// Levels with these numbers of steps, increasing, whole or not, at least 1/64
     #[arg(long, value_name = "N,N,…", value_parser = number, value_delimiter = ',', conflicts_with_all = ["levels", "lengths"])]
     pub(crate) steps: Option<Vec<f64>>,
-    /// Largest error of a band, relative to the band: 1e-13 to 0.1
-    #[arg(long, value_name = "E", value_parser = number, default_value_t = BandsParams::default().accuracy)]
-    pub(crate) accuracy: f64,
+    /// Largest error of a band, relative to the band: 1e-13 to 0.1 [default: 1e-10, for saliency and features of a mesh
+    /// 1e-5]
+    #[arg(long, value_name = "E", value_parser = number)]
+    pub(crate) accuracy: Option<f64>,
     /// Levels with these widths σ, increasing, in model units or in % of the diagonal. σ is the root mean square
     /// distance that a value spreads to: σ/√2 along each axis of a surface, and a full width at half maximum of 1.665 σ
     #[arg(

@@ -44,6 +44,8 @@ pub(crate) struct Analysis {
     pub(crate) signal: Signal,
     pub(crate) schedule: Schedule,
     params: BandsParams,
+    /// Parameters of the bands of maps and features.
+    analysis_params: BandsParams,
     /// The reason for the number of levels.
     pub(crate) levels_reason: String,
     pub(crate) seconds: Seconds,
@@ -140,20 +142,25 @@ impl Analysis {
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         let (schedule, levels_reason) = (resolved.schedule, resolved.reason);
-        Ok(Self { input, decomposer, signal, schedule, params, levels_reason, seconds })
+        let analysis_params = match levels.accuracy {
+            Some(_) => params,
+            None => params.with_accuracy(decomposer.analysis_accuracy()),
+        };
+        Ok(Self { input, decomposer, signal, schedule, params, analysis_params, levels_reason, seconds })
     }
 
     /// Requests a result from the bands of the signal, and records the time.
     fn request<T>(
         &mut self,
         global: &Global<'_>,
+        params: BandsParams,
         compute: impl FnOnce(BandsRequest<'_>) -> Result<T, BandsError>,
     ) -> Result<T, CliError> {
         let mut watch = Stopwatch::start();
         let found = with_progress(global, "splitting", |progress| {
             let request =
                 self.decomposer.request(&self.signal.values, self.signal.n_channels, &self.schedule);
-            compute(request.params(&self.params).progress(progress))
+            compute(request.params(&params).progress(progress))
         })?;
         self.seconds.bands = watch.lap();
         Ok(found)
@@ -161,7 +168,7 @@ impl Analysis {
 
     /// All bands.
     pub(crate) fn bands(&mut self, global: &Global<'_>) -> Result<Bands, CliError> {
-        self.request(global, |request| request.bands())
+        self.request(global, self.params, |request| request.bands())
     }
 
     /// The wavelet coefficients for saliency and features: their norms, unless the response is that of each channel.
@@ -171,8 +178,10 @@ impl Analysis {
         response: Option<Response>,
     ) -> Result<Wavelets, CliError> {
         match response {
-            Some(Response::Channels) => self.request(global, |request| request.wavelets()),
-            _ => self.request(global, |request| request.norms()),
+            Some(Response::Channels) => {
+                self.request(global, self.analysis_params, |request| request.wavelets())
+            }
+            _ => self.request(global, self.analysis_params, |request| request.norms()),
         }
     }
 
@@ -192,7 +201,8 @@ impl Analysis {
         };
         let (wavelets, has_sign) = match &outward {
             Some(outward) if outward.info.has_outside() => {
-                (self.request(global, |request| request.normal_components(&outward.normals))?, true)
+                let along = |request: BandsRequest<'_>| request.normal_components(&outward.normals);
+                (self.request(global, self.analysis_params, along)?, true)
             }
             _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
         };
@@ -242,7 +252,7 @@ impl Analysis {
             points: self.input.shape.points().unwrap_or_default(),
             normals: normals.as_deref(),
             schedule: &self.schedule,
-            bands: self.params,
+            bands: self.analysis_params,
         };
         let start = Instant::now();
         let found = with_progress(global, "splitting", |progress| {

@@ -36,8 +36,9 @@ pub(crate) fn format_length(length: Length) -> String {
 }
 
 /// Bands of this accuracy, within the memory that the machine has left.
-fn bands_params(accuracy: f64) -> Result<BandsParams, CliError> {
-    let params = BandsParams::default().with_accuracy(accuracy);
+fn bands_params(accuracy: Option<f64>) -> Result<BandsParams, CliError> {
+    let params = BandsParams::default();
+    let params = accuracy.map_or(params, |accuracy| params.with_accuracy(accuracy));
     params.check()?;
     Ok(adwave_io::free_memory().map_or(params, |bytes| params.with_max_bytes(bytes)))
 }

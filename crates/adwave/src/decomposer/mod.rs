@@ -404,6 +404,17 @@ impl Decomposer {
         self.params.kind
     }
 
+    /// Default accuracy of the bands of maps and features: 1e-5 for heat on a mesh, whose triangles cause larger errors,
+    /// and that of [`BandsParams`] otherwise.
+    pub fn analysis_accuracy(&self) -> f64 {
+        let is_mesh = self.shape().is_some_and(Shape::is_mesh);
+        if is_mesh && self.operator_kind() == OperatorKind::Surface {
+            1e-5
+        } else {
+            BandsParams::default().accuracy
+        }
+    }
+
     /// Parameters of the diffusion operator.
     pub fn operator_params(&self) -> &OperatorParams {
         &self.params

@@ -1,29 +1,49 @@
 //! Points of a surface by place, and the disks around a point.
 
 use crate::shape::squared_distance;
-use std::collections::HashMap;
+use crate::{Cancelled, Progress, parallel};
+
+/// Number of bits of a key for the place of a cell along each axis.
+const BITS: u32 = 21;
+
+/// Largest place of a cell along an axis.
+const LAST: f64 = ((1_u64 << BITS) - 1) as f64;
 
 /// Points in cells of a cubic grid.
 pub(super) struct PointGrid {
     /// Points, those of a cell in succession.
     order: Vec<u32>,
-    cells: HashMap<[i32; 3], (u32, u32)>,
+    /// Keys of the cells that hold points, ascending, with the ends of their points in `order`.
+    cells: Vec<(u64, u32)>,
+    /// Smallest coordinates of the points.
+    low: [f64; 3],
+    /// Length of the sides of the cells.
     size: f64,
 }
 
 impl PointGrid {
-    /// The points with the given indices in cells whose sides have the length `size`, which is above 0. O(n log n).
-    pub(super) fn new(points: &[[f64; 3]], chosen: impl Iterator<Item = u32>, size: f64) -> Self {
-        let mut keyed: Vec<([i32; 3], u32)> = chosen.map(|x| (cell(&points[x as usize], size), x)).collect();
-        keyed.sort_unstable();
-        let mut cells = HashMap::new();
-        let mut start = 0;
+    /// The chosen points, given by their indices, in cells whose sides have the length `size`, which is above 0. O(n
+    /// log n).
+    pub(super) fn new(
+        points: &[[f64; 3]],
+        chosen: &[u32],
+        size: f64,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let low = chosen
+            .iter()
+            .fold([f64::INFINITY; 3], |low, &x| std::array::from_fn(|c| low[c].min(points[x as usize][c])));
+        let mut grid = Self { order: Vec::new(), cells: Vec::new(), low, size };
+        let mut keyed: Vec<(u64, u32)> =
+            chosen.iter().map(|&x| (key(grid.cell(&points[x as usize])), x)).collect();
+        parallel::sort_unstable_by(&mut keyed, progress, Ord::cmp)?;
+        let mut end = 0;
         for same in keyed.chunk_by(|a, b| a.0 == b.0) {
-            let end = start + same.len() as u32;
-            cells.insert(same[0].0, (start, end));
-            start = end;
+            end += same.len() as u32;
+            grid.cells.push((same[0].0, end));
         }
-        Self { order: keyed.into_iter().map(|(_, x)| x).collect(), cells, size }
+        grid.order = keyed.into_iter().map(|(_, x)| x).collect();
+        Ok(grid)
     }
 
     /// Calls `visit` with each point within `reach` of `center` and its squared distance, in an order that the
@@ -35,6 +55,8 @@ impl PointGrid {
         reach: f64,
         mut visit: impl FnMut(usize, f64),
     ) {
+        let low = self.cell(&center.map(|c| c - reach));
+        let high = self.cell(&center.map(|c| c + reach));
         let mut visit_all = |list: &[u32]| {
             for &y in list {
                 let away = squared_distance(center, &points[y as usize]);
@@ -43,27 +65,31 @@ impl PointGrid {
                 }
             }
         };
-        let low = cell(&[0, 1, 2].map(|c| center[c] - reach), self.size);
-        let high = cell(&[0, 1, 2].map(|c| center[c] + reach), self.size);
-        let n_cells: f64 = (0..3).map(|c| f64::from(high[c]) - f64::from(low[c]) + 1.0).product();
-        if n_cells > self.order.len() as f64 {
+        let n_columns: u64 = (0..2).map(|c| high[c] - low[c] + 1).product();
+        if n_columns > self.order.len() as u64 {
             visit_all(&self.order);
             return;
         }
         for i in low[0]..=high[0] {
             for j in low[1]..=high[1] {
-                for k in low[2]..=high[2] {
-                    if let Some(&(start, end)) = self.cells.get(&[i, j, k]) {
-                        visit_all(&self.order[start as usize..end as usize]);
-                    }
+                let (from, to) = (key([i, j, low[2]]), key([i, j, high[2]]));
+                let first = self.cells.partition_point(|cell| cell.0 < from);
+                let n_cells = self.cells[first..].iter().take_while(|cell| cell.0 <= to).count();
+                if n_cells > 0 {
+                    let start = if first == 0 { 0 } else { self.cells[first - 1].1 };
+                    visit_all(&self.order[start as usize..self.cells[first + n_cells - 1].1 as usize]);
                 }
             }
         }
     }
+
+    /// The cell of a point; the outermost ones take all that lies farther out.
+    fn cell(&self, point: &[f64; 3]) -> [u64; 3] {
+        std::array::from_fn(|c| ((point[c] - self.low[c]) / self.size).clamp(0.0, LAST) as u64)
+    }
 }
 
-/// The cell of a point; the outermost ones take all that lies farther out.
-fn cell(point: &[f64; 3], size: f64) -> [i32; 3] {
-    const FARTHEST: f64 = 1e9;
-    point.map(|c| (c / size).floor().clamp(-FARTHEST, FARTHEST) as i32)
+/// Number that orders cells by their places.
+fn key(cell: [u64; 3]) -> u64 {
+    cell.into_iter().fold(0, |key, place| key << BITS | place)
 }

@@ -22,6 +22,7 @@ use crate::saliency::{ROUGHNESS, VARIANCE, roughness_at};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
+use std::collections::VecDeque;
 
 /// Least contrast of a feature, in standard deviations due to noise and to the triangles.
 const SIGNIFICANT: f64 = 14.0;
@@ -120,11 +121,16 @@ pub(super) fn mesh_features(
         floors: &floors,
     };
     let mut found = Vec::new();
-    for j in 2..wavelets.n_levels() {
+    let mut disks: VecDeque<Disks<'_>> = VecDeque::new();
+    for j in 1..=wavelets.n_levels() {
         progress.check()?;
-        found.extend(search.level(j, params, progress.quiet())?);
+        disks.push_back(Disks::new(&search, j, progress.quiet())?);
+        if disks.len() == 3 {
+            found.extend(search.level(j - 1, disks.make_contiguous(), params, progress.quiet())?);
+            disks.pop_front();
+        }
     }
-    let mut features = without_side_lobes(&found, decomposer.positions());
+    let mut features = without_side_lobes(&found, decomposer.positions(), progress.quiet())?;
     features.sort_by(|a, b| {
         a.level.cmp(&b.level).then(b.strength.total_cmp(&a.strength)).then(a.vertex.cmp(&b.vertex))
     });
@@ -294,10 +300,11 @@ struct Contrast {
 }
 
 impl Search<'_> {
-    /// Features of level `j`, in ascending order of vertices.
+    /// Features of level `j`, in ascending order of vertices; `disks` are those of the levels j − 1, j and j + 1.
     fn level(
         &self,
         j: usize,
+        disks: &[Disks<'_>],
         params: &FeatureParams,
         progress: Progress<'_>,
     ) -> Result<Vec<Feature>, Cancelled> {
@@ -316,11 +323,9 @@ impl Search<'_> {
             },
         )?
         .concat();
-        let disks: Vec<Disks<'_>> =
-            [j - 1, j, j + 1].into_iter().map(|level| Disks::new(self, level)).collect();
         let level = ResponseLevel::plain(here);
         let candidates: Vec<Option<Feature>> = parallel::map_items(here.len(), extrema.len(), |k| {
-            self.candidate(extrema[k], j, &disks, &level, params)
+            self.candidate(extrema[k], j, disks, &level, params)
         });
         Ok(candidates.into_iter().flatten().collect())
     }
@@ -413,7 +418,7 @@ struct Disks<'a> {
 }
 
 impl<'a> Disks<'a> {
-    fn new(search: &'a Search<'a>, j: usize) -> Self {
+    fn new(search: &'a Search<'a>, j: usize, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let sigma = search.wavelets.sigma[j];
         let level = &search.wavelets.levels[j - 1];
         let least = (SPACING * sigma).powi(2);
@@ -424,13 +429,13 @@ impl<'a> Disks<'a> {
             let is_chosen =
                 area >= least && !level[x].is_nan() && search.from_border[x] > RING_BORDER * sigma;
             if is_chosen {
-                area %= least;
+                area = if area < 2.0 * least { area - least } else { area % least };
             }
             is_chosen
         };
         let points = search.decomposer.positions();
         let chosen: Vec<u32> = (0..points.len() as u32).filter(is_chosen).collect();
-        Self { search, grid: PointGrid::new(points, chosen.into_iter(), RING[1] * sigma), j }
+        Ok(Self { search, grid: PointGrid::new(points, &chosen, RING[1] * sigma, progress)?, j })
     }
 
     /// Contrast of `x` on the level; `None` if too few points surround it. Points of an opposite side of the surface do
@@ -474,16 +479,20 @@ impl<'a> Disks<'a> {
 ///
 /// Beside a bump of Gaussian section its band is negative, by 13 % of its height at the width of the bump and by less on
 /// coarser levels. A feature stays if its contrast is at least twice what all details of the opposite sign explain.
-fn without_side_lobes(found: &[Feature], points: &[[f64; 3]]) -> Vec<Feature> {
+fn without_side_lobes(
+    found: &[Feature],
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Vec<Feature>, Cancelled> {
     let places: Vec<[f64; 3]> = found.iter().map(|feature| points[feature.vertex]).collect();
     let n_levels = found.iter().map(|feature| feature.level).max().unwrap_or(0);
-    let grids: Vec<(f64, PointGrid)> = (0..=n_levels)
-        .map(|j| {
-            let of_level = (0..found.len() as u32).filter(|&k| found[k as usize].level == j);
-            let widest = of_level.clone().map(|k| found[k as usize].sigma).fold(0.0, f64::max);
-            (widest, PointGrid::new(&places, of_level, (SIDE_LOBE_REACH * widest).max(f64::MIN_POSITIVE)))
-        })
-        .collect();
+    let grid = |j: usize| {
+        let of_level: Vec<u32> = (0..found.len() as u32).filter(|&k| found[k as usize].level == j).collect();
+        let widest = of_level.iter().map(|&k| found[k as usize].sigma).fold(0.0, f64::max);
+        let size = (SIDE_LOBE_REACH * widest).max(f64::MIN_POSITIVE);
+        Ok((widest, PointGrid::new(&places, &of_level, size, progress)?))
+    };
+    let grids: Vec<(f64, PointGrid)> = (0..=n_levels).map(grid).collect::<Result<_, Cancelled>>()?;
     let is_explained = |k: usize| {
         let own = &found[k];
         let (mut explained, mut is_same) = (0.0, false);
@@ -510,5 +519,5 @@ fn without_side_lobes(found: &[Feature], points: &[[f64; 3]]) -> Vec<Feature> {
     };
     let explained: Vec<bool> = parallel::map_items(points.len(), found.len(), is_explained);
     let kept = found.iter().zip(explained).filter(|(_, is_explained)| !is_explained);
-    kept.map(|(feature, _)| feature.clone()).collect()
+    Ok(kept.map(|(feature, _)| feature.clone()).collect())
 }

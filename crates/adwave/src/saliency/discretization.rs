@@ -62,9 +62,9 @@ impl Discretization {
         Ok(Some(Self { noise, area, edges }))
     }
 
-    /// Share of the largest deviation of a level of width `sigma` from its mean that neither the mesh nor noise
-    /// explains, in squares and in [0, 1].
-    pub(super) fn unexplained(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> f64 {
+    /// Share of a level of width `sigma` that stands out: 0 if the mesh and noise explain its largest deviation from the
+    /// mean, 1 if they explain at most half of its square.
+    pub(super) fn share_standing_out(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> f64 {
         let known = |x: usize| if level[x].is_nan() { 0.0 } else { level[x] };
         let chunk = |range: std::ops::Range<usize>| {
             range
@@ -79,7 +79,7 @@ impl Discretization {
         let of_noise = VARIANCE * self.noise * self.area / (sigma * sigma);
         let of_triangles = (TRIANGLES * mean).powi(2) * self.edges / sigma.powi(4);
         let explained = LARGEST * LARGEST * (of_noise + of_triangles);
-        if most > 0.0 { (1.0 - explained / (most * most)).max(0.0) } else { 0.0 }
+        if most > 0.0 { (most * most / explained - 1.0).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 

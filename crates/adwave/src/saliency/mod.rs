@@ -207,7 +207,8 @@ fn parts<'a>(
         progress.step((level - skip - 1) as u64, (n_levels - skip) as u64)?;
         let sigma = wavelets.sigma[level];
         let mut norms = wavelets.level_norms(level);
-        let unexplained = discretization.as_ref().map_or(1.0, |d| d.unexplained(&population, &norms, sigma));
+        let share = |d: &Discretization| d.share_standing_out(&population, &norms, sigma);
+        let standing_out = discretization.as_ref().map_or(1.0, share);
         let left = border.as_ref().map(|border| border.fade(norms.to_mut(), sigma));
         let share = left.as_ref().map_or(1.0, |left| population.mean(left));
         let mean = if share > 0.0 { population.mean(&norms) / share } else { 0.0 };
@@ -219,7 +220,9 @@ fn parts<'a>(
             // A level without any response contributes nothing.
             Weighting::Normalized | Weighting::Entropy if mean == 0.0 => 0.0,
             Weighting::Normalized => 1.0 / mean,
-            Weighting::Entropy => unexplained * unevenness(&population, &norms, left.as_deref(), mean) / mean,
+            Weighting::Entropy => {
+                standing_out * unevenness(&population, &norms, left.as_deref(), mean) / mean
+            }
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
