@@ -154,7 +154,7 @@ def saliency(
     operator : str or Operator, optional
         As in `decompose`.
     accuracy : float, optional
-        As in `decompose`; 1e-5 by default for heat on a mesh, whose triangles cause larger errors.
+        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors.
     progress : bool or callable, optional
         As in `decompose`.
     **selection
@@ -321,7 +321,7 @@ def features(
     operator : str or Operator, optional
         As in `decompose`.
     accuracy : float, optional
-        As in `decompose`; 1e-5 by default for heat on a mesh, whose triangles cause larger errors.
+        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors.
     progress : bool or callable, optional
         As in `decompose`.
     **selection

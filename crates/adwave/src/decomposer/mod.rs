@@ -404,12 +404,12 @@ impl Decomposer {
         self.params.kind
     }
 
-    /// Default accuracy of the bands of maps and features: 1e-5 for heat on a mesh, whose triangles cause larger errors,
+    /// Default accuracy of the bands of maps and features: 1e-4 for heat on a mesh, whose triangles cause larger errors,
     /// and that of [`BandsParams`] otherwise.
     pub fn analysis_accuracy(&self) -> f64 {
         let is_mesh = self.shape().is_some_and(Shape::is_mesh);
         if is_mesh && self.operator_kind() == OperatorKind::Surface {
-            1e-5
+            1e-4
         } else {
             BandsParams::default().accuracy
         }

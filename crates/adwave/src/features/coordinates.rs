@@ -76,7 +76,7 @@ pub struct CoordinateFeatures {
 /// larger than on the levels beside j, and |C| exceeds 14 standard deviations d of what this mesh causes where there is
 /// nothing:
 ///
-/// `d² = 0.09·⟨s²·a⟩/σ_j⁴ + (0.0061·b·(e/σ_j)²)² + (accuracy·rms R(j)/σ_j)²`
+/// `d² = 0.09·⟨s²·a⟩/σ_j⁴ + (0.0061·b·(e/σ_j)²·(1 + 2.5·e/σ_j))² + (accuracy·rms R(j)/σ_j)²`
 ///
 /// s² is the variance of independent displacements that would make the two finest levels as rough as they are, a
 /// the area of a vertex, b the root mean square difference of the normals from that at x, and e the root mean

@@ -28,8 +28,11 @@ use std::collections::VecDeque;
 const SIGNIFICANT: f64 = 14.0;
 
 /// Largest error of a level due to the triangles, relative to the response of a sphere that is curved as the surroundings
-/// are, for edges as long as σ, divided by [`SIGNIFICANT`]; it falls with the square of the length of the edges.
+/// are, for short edges as long as σ, divided by [`SIGNIFICANT`]; it falls with the square of the length of the edges.
 const SYSTEMATIC: f64 = 0.3 / SIGNIFICANT;
+
+/// Increase of that error, relative to itself, for edges as long as σ; it falls with the length of the edges.
+const LONG_EDGES: f64 = 2.5;
 
 /// Response of a sphere divided by σ, relative to the root mean square difference between the normal at a point and those
 /// of the disk around it: ½ by ½·2.5/√2.
@@ -467,8 +470,12 @@ impl<'a> Disks<'a> {
         let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
         let share = 1.0 / n_disk as f64;
         let noise = (VARIANCE * share * squares).sqrt() / (sigma * sigma);
-        let systematic =
-            SYSTEMATIC * RESPONSE_OF_NORMALS * (share * bends).sqrt() * share * edges / (sigma * sigma);
+        let square = share * edges / (sigma * sigma);
+        let systematic = SYSTEMATIC
+            * RESPONSE_OF_NORMALS
+            * (share * bends).sqrt()
+            * square
+            * (1.0 + LONG_EDGES * square.sqrt());
         let deviation = noise.hypot(systematic).hypot(floors[self.j - 1]);
         Some(Contrast { value: (level[x] - median) / sigma, deviation })
     }
