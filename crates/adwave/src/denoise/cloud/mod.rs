@@ -193,6 +193,13 @@ impl CloudNoise {
     }
 }
 
+impl CloudNoise {
+    /// Standard deviation of the noise at a point.
+    pub(super) fn at(&self, x: usize) -> f64 {
+        CAUTION * self.by_point[x]
+    }
+}
+
 /// Median of the noise over a point and its neighbors if that of patches is among it.
 fn median_level(near: &NearestRows, small: &[f64], levels: &[f64], x: usize) -> f64 {
     let all = || near.row(x).iter().map(|&y| y as usize).chain([x]);
@@ -269,7 +276,7 @@ pub(super) fn denoise_points(
     })?;
     let level = |x: usize| params.strength * noise.by_point[x];
     let errors = parallel::try_collect(points.len(), progress, |x| {
-        FitErrors::new(near, &fits, CAUTION * level(x), x)
+        FitErrors::new(near, &fits, params.strength * noise.at(x), x)
     })?;
     let here = parallel::try_collect(points.len(), progress, |x| FitErrors::mean(near, &errors, x))?;
     drop(errors);
@@ -283,7 +290,7 @@ pub(super) fn denoise_points(
             return (motion, PointState::Outlier, 1.0);
         }
         let is_strong = level(x) > STRONG_NOISE * near.radius(points, x, FIT_SIZES[2]);
-        let most = FARTHEST * CAUTION * noise.by_point[x] * params.strength.min(1.0);
+        let most = FARTHEST * noise.at(x) * params.strength.min(1.0);
         mixed_motion(&fits[x], &here[x], &around[x], PointNoise { level: level(x), is_strong, most })
     })?;
     let moved: Vec<Vector> = points.iter().zip(&outcomes).map(|(p, (d, ..))| add_scaled(p, 1.0, d)).collect();
