@@ -176,14 +176,12 @@ impl CloudNoise {
         }
         let small = noise_by_place(points, near, &small_fits, progress)?;
         patches.widen(points, near, &small, progress)?;
-        let mut by_point = match given {
-            Some(noise) => vec![noise / CAUTION; points.len()],
-            None => {
-                let levels = parallel::try_collect(points.len(), progress, |x| {
-                    patches.level(points, near, &small, x)
-                })?;
-                parallel::try_collect(points.len(), progress, |x| median_level(near, &small, &levels, x))?
-            }
+        let mut by_point = if let Some(noise) = given {
+            vec![noise / CAUTION; points.len()]
+        } else {
+            let levels =
+                parallel::try_collect(points.len(), progress, |x| patches.level(points, near, &small, x))?;
+            parallel::try_collect(points.len(), progress, |x| median_level(near, &small, &levels, x))?
         };
         let n_unknown = by_point.iter().filter(|level| level.is_nan()).count();
         by_point.iter_mut().filter(|level| level.is_nan()).for_each(|level| *level = 0.0);

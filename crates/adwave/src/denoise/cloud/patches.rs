@@ -176,7 +176,7 @@ pub(super) struct Patches {
     /// Index of the patches of each point that is a center; `u32::MAX` for others.
     numbers: Vec<u32>,
     centers: Vec<u32>,
-    patches: Vec<CenterPatches>,
+    of_center: Vec<CenterPatches>,
 }
 
 /// Patches of a center.
@@ -323,7 +323,7 @@ impl Patches {
         for (k, &x) in centers.iter().enumerate() {
             numbers[x as usize] = k as u32;
         }
-        let mut out = Self { numbers, patches: vec![CenterPatches::default(); centers.len()], centers };
+        let mut out = Self { numbers, of_center: vec![CenterPatches::default(); centers.len()], centers };
         out.visit(points.len(), progress, |out, gathering, k| {
             let x = out.centers[k] as usize;
             let patch = gathering.patch(points, near, &out.numbers, x, 1).filter(is_flat(VOLUME));
@@ -343,7 +343,7 @@ impl Patches {
     ) -> Result<(), Cancelled> {
         let radius = |x: usize| near.radius(points, x, FIT_SIZES[2]);
         self.visit(points.len(), progress, |out, gathering, k| {
-            let (x, mut patches) = (out.centers[k] as usize, out.patches[k]);
+            let (x, mut patches) = (out.centers[k] as usize, out.of_center[k]);
             if small[x].is_nan() || small[x] > STRONG * radius(x) {
                 patches.widen(|c| gathering.patch(points, near, &out.numbers, x, c));
             }
@@ -351,7 +351,7 @@ impl Patches {
         })?;
         // The neighbors of a point with a large error have similar errors, and small neighborhoods show none of it.
         self.visit(points.len(), progress, |out, gathering, k| {
-            let (x, mut patches) = (out.centers[k] as usize, out.patches[k]);
+            let (x, mut patches) = (out.centers[k] as usize, out.of_center[k]);
             let is_strong = |p: &CenterPatches| p.level.is_some_and(|level| level > VERY_STRONG * radius(x));
             if patches.level.is_none() && out.around(near, x).any(is_strong) {
                 patches.widen(|c| gathering.patch(points, near, &out.numbers, x, c));
@@ -371,7 +371,7 @@ impl Patches {
             range.map(|k| work(self, gathering, k)).collect::<Vec<CenterPatches>>()
         };
         let scratch = || Gathering::new(n_points);
-        self.patches =
+        self.of_center =
             parallel::try_map_chunks(self.centers.len(), AT_A_TIME, progress, scratch, all)?.concat();
         Ok(())
     }
@@ -390,7 +390,7 @@ impl Patches {
     /// Patches whose centers are a point and its neighbors.
     fn around<'a>(&'a self, near: &'a NearestRows, x: usize) -> impl Iterator<Item = &'a CenterPatches> {
         let all = near.row(x).iter().map(|&y| y as usize).chain([x]);
-        all.filter_map(|y| self.patches.get(self.numbers[y] as usize))
+        all.filter_map(|y| self.of_center.get(self.numbers[y] as usize))
     }
 
     /// Median of the noise around a point, of patches or of small neighborhoods, whichever their centers need; NaN if
@@ -405,7 +405,7 @@ impl Patches {
             return level;
         }
         let centers = near.row(x).iter().map(|&y| y as usize).chain([x]);
-        let level = |y: usize| self.patches.get(self.numbers[y] as usize)?.level.or(Some(small[y]));
+        let level = |y: usize| self.of_center.get(self.numbers[y] as usize)?.level.or(Some(small[y]));
         let mut levels: Vec<f64> = centers.filter_map(level).filter(|level| level.is_finite()).collect();
         median(&mut levels)
     }
