@@ -45,7 +45,7 @@ pub(crate) struct Analysis {
     pub(crate) schedule: Schedule,
     params: BandsParams,
     /// Parameters of the bands of maps and features.
-    analysis_params: BandsParams,
+    map_params: BandsParams,
     /// The reason for the number of levels.
     pub(crate) levels_reason: String,
     pub(crate) seconds: Seconds,
@@ -142,11 +142,11 @@ impl Analysis {
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         let (schedule, levels_reason) = (resolved.schedule, resolved.reason);
-        let analysis_params = match levels.accuracy {
+        let map_params = match levels.accuracy {
             Some(_) => params,
             None => params.with_accuracy(decomposer.analysis_accuracy()),
         };
-        Ok(Self { input, decomposer, signal, schedule, params, analysis_params, levels_reason, seconds })
+        Ok(Self { input, decomposer, signal, schedule, params, map_params, levels_reason, seconds })
     }
 
     /// Requests a result from the bands of the signal, and records the time.
@@ -178,10 +178,8 @@ impl Analysis {
         response: Option<Response>,
     ) -> Result<Wavelets, CliError> {
         match response {
-            Some(Response::Channels) => {
-                self.request(global, self.analysis_params, |request| request.wavelets())
-            }
-            _ => self.request(global, self.analysis_params, |request| request.norms()),
+            Some(Response::Channels) => self.request(global, self.map_params, |request| request.wavelets()),
+            _ => self.request(global, self.map_params, |request| request.norms()),
         }
     }
 
@@ -202,7 +200,7 @@ impl Analysis {
         let (wavelets, has_sign) = match &outward {
             Some(outward) if outward.info.has_outside() => {
                 let along = |request: BandsRequest<'_>| request.normal_components(&outward.normals);
-                (self.request(global, self.analysis_params, along)?, true)
+                (self.request(global, self.map_params, along)?, true)
             }
             _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
         };
@@ -252,7 +250,7 @@ impl Analysis {
             points: self.input.shape.points().unwrap_or_default(),
             normals: normals.as_deref(),
             schedule: &self.schedule,
-            bands: self.analysis_params,
+            bands: self.map_params,
         };
         let start = Instant::now();
         let found = with_progress(global, "splitting", |progress| {
