@@ -301,7 +301,6 @@ fn denoise_points<'py>(
         found.set_item("noise_range", cloud.noise_range)?;
         found.set_item("n_outliers", cloud.n_outliers)?;
         found.set_item("n_left", cloud.n_left)?;
-        found.set_item("n_unknown", cloud.n_unknown)?;
         found.set_item("rounding", cloud.rounding)?;
         found.set_item("nearest_distance", cloud.nearest_distance)?;
         found.set_item("outliers", denoised.outliers.clone())?;

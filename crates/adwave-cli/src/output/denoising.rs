@@ -125,23 +125,14 @@ fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
 /// Adds lines on the noise of a cloud by place, and on the points that did not move.
 fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising) {
     let [low, high] = cloud.noise_range;
-    if cloud.n_unknown < info.n_sampled {
-        let _ = writeln!(
-            text,
-            "noise along the normals: {} model units, {} mean distances of neighbors; {} to {} by place (5 % to 95 %)",
-            number(info.noise),
-            number(info.noise_in_edges),
-            number(low),
-            number(high)
-        );
-    }
-    if cloud.n_unknown > 0 {
-        let _ = writeln!(
-            text,
-            "noise unknown at {}: their neighbors lie on a line or on no surface (--noise-sigma sets it)",
-            count(cloud.n_unknown, "point", "points")
-        );
-    }
+    let _ = writeln!(
+        text,
+        "noise along the normals: {} model units, {} mean distances of neighbors; {} to {} by place (5 % to 95 %)",
+        number(info.noise),
+        number(info.noise_in_edges),
+        number(low),
+        number(high)
+    );
     if cloud.rounding > 0.5 * info.noise && cloud.rounding > 0.0 {
         let _ = writeln!(text, "coordinates are rounded to steps of {}", number(cloud.rounding));
     }

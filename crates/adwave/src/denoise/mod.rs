@@ -202,8 +202,9 @@ fn denoise_cloud(
     for &x in &found.outliers {
         is_outlier[x as usize] = true;
     }
-    let n_far = (0..points.len())
-        .filter(|&x| !is_outlier[x] && norm(&subtract(&found.points[x], &points[x])) > FAR * noise.at(x));
+    let n_far = (0..points.len()).filter(|&x| {
+        !is_outlier[x] && norm(&subtract(&found.points[x], &points[x])) > FAR * noise.by_point[x]
+    });
     let info = DenoiseInfo {
         noise: noise.typical * unit,
         noise_in_edges: near.in_mean_distances(&points, noise.typical, progress)?,

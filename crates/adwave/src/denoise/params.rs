@@ -270,10 +270,6 @@ pub struct CloudDenoising {
     /// Number of points that stay because their neighbors form no surface, or because they would move farther than
     /// three times the noise there.
     pub n_left: usize,
-    /// Number of points at which the noise is not known, because their neighbors lie on a line or on no surface. They
-    /// stay unless it is given.
-    #[serde(default)]
-    pub n_unknown: usize,
     /// Step to which the coordinates are rounded; 0 if none is found.
     pub rounding: f64,
     /// Mean distance to the nearest neighbor, before and after.

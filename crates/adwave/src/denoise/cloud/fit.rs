@@ -1,6 +1,6 @@
 //! Frames of neighborhoods, and planes and quadrics fitted to the heights of points over them.
 
-use super::{LINE_RATIO, NEIGHBORS};
+use super::NEIGHBORS;
 use crate::vector::{Vector, add_scaled, dot, subtract};
 
 /// Rounds of the eigenvalue iteration; it converges quadratically.
@@ -22,12 +22,12 @@ pub(super) struct FitFrame {
 }
 
 impl FitFrame {
-    /// Principal axes of the neighbors `row` of a point and itself, with Gaussian weights of width `width`.
-    pub(super) fn new(points: &[Vector], point: &Vector, row: &[u32], width: f64) -> Self {
+    /// Principal axes of the neighbors `row` of point `x` and itself, with Gaussian weights of width `width`.
+    pub(super) fn new(points: &[Vector], x: usize, row: &[u32], width: f64) -> Self {
         let scale = -0.5 / (width * width);
         let (mut total, mut sum, mut squares) = (1.0, [0.0; 3], [[0.0; 3]; 3]);
         for &y in row {
-            let d = subtract(&points[y as usize], point);
+            let d = subtract(&points[y as usize], &points[x]);
             let weight = (scale * dot(&d, &d)).exp();
             total += weight;
             for a in 0..3 {
@@ -108,7 +108,7 @@ fn gauss(height: f64, width: f64) -> f64 {
 }
 
 /// Plane (3) or quadric (6 coefficients).
-pub(super) fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
+fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
     let all = [1.0, u, v, u * u, u * v, v * v];
     std::array::from_fn(|k| all[k])
 }
@@ -132,28 +132,6 @@ impl Heights {
         out
     }
 
-    /// True if the `n` nearest neighbors are close to a line. A fit to a line follows any noise across it.
-    pub(super) fn is_line(&self, n: usize) -> bool {
-        let (mut sum, mut squares) = ([0.0; 2], [0.0; 3]);
-        for [u, v] in &self.tangential[..n] {
-            for (total, value) in sum.iter_mut().zip([u, v]) {
-                *total += value;
-            }
-            for (total, value) in squares.iter_mut().zip([u * u, u * v, v * v]) {
-                *total += value;
-            }
-        }
-        let share = 1.0 / n as f64;
-        let [uu, uv, vv] = squares.map(|s| s * share);
-        let (uu, uv, vv) = (
-            uu - (sum[0] * share).powi(2),
-            uv - sum[0] * sum[1] * share * share,
-            vv - (sum[1] * share).powi(2),
-        );
-        let (middle, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
-        middle - half < LINE_RATIO * (middle + half)
-    }
-
     /// Fit to the `n` nearest neighbors with equal weights, without the point itself.
     pub(super) fn fit_without_center<const N: usize>(&self, n: usize) -> Option<HeightFit> {
         self.solve::<N>(&[1.0; NEIGHBORS][..n], 0.0).map(|(fit, _)| fit)
@@ -163,9 +141,6 @@ impl Heights {
     /// robust weights: first those of points near the height of the point itself, then those of points near the surface
     /// so found.
     pub(super) fn robust_fits(&self, width: f64, reach: RobustReach) -> [Option<HeightFit>; 2] {
-        if self.is_line(self.n) {
-            return [None; 2];
-        }
         let scale = -0.5 / (width * width);
         let (mut by_distance, mut start) = ([0.0; NEIGHBORS], [0.0; NEIGHBORS]);
         for k in 0..self.n {
@@ -243,7 +218,7 @@ impl HeightFit {
 }
 
 /// Cholesky's factor in the lower triangle; false if the matrix is not safely positive definite.
-pub(super) fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
+fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
     let least = LEAST_PIVOT * (0..N).map(|i| a[i][i]).sum::<f64>();
     for i in 0..N {
         for j in 0..=i {
@@ -260,7 +235,7 @@ pub(super) fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
     true
 }
 
-pub(super) fn substitute<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N]) -> [f64; N] {
+fn substitute<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N]) -> [f64; N] {
     for i in 0..N {
         let s = x[i] - (0..i).map(|k| l[i][k] * x[k]).sum::<f64>();
         x[i] = s / l[i][i];

@@ -3,27 +3,21 @@
 //!
 //! Heights of the neighbors over their plane are fitted by planes and quadrics of two sizes, with weights that fall
 //! with the distance and with the residual. The first residuals are relative to the height of the point itself, so that
-//! a second sheet nearby has no part in the fit. Patches, quadrics over more points, remove more noise where the surface
-//! is smooth, and alone remove noise that is as large as the points are apart. The estimated squared error of each fit
-//! decides its share, and the share of leaving the point where it is: for white noise a fit with leverage h moves points
-//! by `d` with E|d|² = (1 − h)σ² (`stein1981`), more if it is biased, and less if it follows the noise; the mean of d
-//! over the nearest points is its bias.
+//! a second sheet nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h,
+//! `d² + 2σ²h − σ²` is an unbiased estimate of its squared error (`stein1981`). The mean of this estimate over the
+//! neighbors decides the share of each fit, and the share of leaving the point where it is.
 
 mod fit;
 mod noise;
-mod patches;
-mod selection;
 
 use super::noise_level::median;
 use super::params::{CloudDenoising, Outliers};
 use super::{Creases, DenoiseParams};
 use crate::shape::Adjacency;
-use crate::vector::{Vector, add_scaled, dot, subtract};
+use crate::vector::{Vector, add_scaled, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use fit::{FitFrame, HeightFit, Heights, RobustReach};
-use noise::{FIT_SIZES, SmallFits, distance, noise_by_place, quantile, small_fits};
-use patches::Patches;
-use selection::{FitErrors, PointNoise, mixed_motion};
+use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
 
 /// Number of nearest neighbors that fits use.
 pub(super) const NEIGHBORS: usize = 48;
@@ -34,11 +28,10 @@ const UNIT_NEIGHBORS: usize = 12;
 /// Number of neighbors of the smaller fits.
 const FEW_NEIGHBORS: usize = 24;
 
-/// Number of rings of neighbors that determine the result of a point: three for the averages of the errors of its fits,
-/// two for the patches around it and for the median of the noise, one for stronger noise nearby, five for the noise in
-/// small neighborhoods (quantiles, a mean and three rounds of smoothing), and six for the patches whose normals these
-/// are compared with (their centers, their points, and the residuals by which centers are chosen).
-pub(super) const REACH: usize = 17;
+/// Number of rings of neighbors that determine the result of a point: one for its fit, one for the risks, six for the
+/// noise there (residuals, their quantiles, a mean and three rounds of smoothing), and one for the neighbors of the
+/// fits in these.
+pub(super) const REACH: usize = 9;
 
 /// Width of the weights of a fit, in distances to its last neighbor.
 const WIDTH: f64 = 0.6;
@@ -46,6 +39,16 @@ const WIDTH: f64 = 0.6;
 /// Distances in height at which robust weights fall, in standard deviations of the noise.
 const START_REACH: f64 = 2.0;
 const FIT_REACH: f64 = 2.0;
+
+/// Neighbors over which risks are averaged.
+const RISK_NEIGHBORS: usize = 24;
+
+/// Weight of the leverage in the risk; 2 is unbiased for fits that do not depend on the heights, and the robust weights
+/// do.
+const LEVERAGE: f64 = 3.0;
+
+/// Risk in units of σ² at which the share of a fit is 1/e.
+const TEMPERATURE: f64 = 0.3;
 
 /// Farthest motion in standard deviations of the noise.
 const FARTHEST: f64 = 3.0;
@@ -79,13 +82,7 @@ const CAUTION: f64 = 1.13;
 const NOTHING: f64 = 1e-100;
 
 /// Number of fits.
-const N_FITS: usize = 6;
-
-/// Noise, in distances to the 32nd neighbor, from which patches replace the robust fits.
-const STRONG_NOISE: f64 = 0.25;
-
-/// Number of the robust fits, which come first; the others are patches.
-const N_ROBUST: usize = 4;
+const N_FITS: usize = 4;
 
 /// Neighbors of each point in the order of their distances.
 pub(super) struct NearestRows {
@@ -151,10 +148,7 @@ impl NearestRows {
 pub(super) struct CloudNoise {
     /// Standard deviation that the fits assume at each point: the noise divided by [`CAUTION`].
     pub(super) by_point: Vec<f64>,
-    small_fits: Vec<SmallFits>,
-    patches: Patches,
-    /// Number of points at which the noise is unknown, because their neighbors lie on lines or fill a volume.
-    n_unknown: usize,
+    residuals: Vec<Residuals>,
     /// Median of the noise.
     pub(super) typical: f64,
 }
@@ -167,45 +161,15 @@ impl CloudNoise {
         given: Option<f64>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let mut small_fits = small_fits(points, near, progress)?;
-        let mut patches = Patches::new(points, near, &small_fits, progress)?;
-        let is_turned =
-            parallel::try_collect(points.len(), progress, |x| patches.is_turned(near, &small_fits, x))?;
-        for (fits, _) in small_fits.iter_mut().zip(is_turned).filter(|(_, is_turned)| *is_turned) {
-            fits.residuals = [f64::NAN; 3];
-        }
-        let small = noise_by_place(points, near, &small_fits, progress)?;
-        patches.widen(points, near, &small, progress)?;
-        let mut by_point = if let Some(noise) = given {
-            vec![noise / CAUTION; points.len()]
-        } else {
-            let levels =
-                parallel::try_collect(points.len(), progress, |x| patches.level(points, near, &small, x))?;
-            parallel::try_collect(points.len(), progress, |x| median_level(near, &small, &levels, x))?
+        let residuals = fit_residuals(points, near, progress)?;
+        let by_point = match given {
+            Some(noise) => vec![noise / CAUTION; points.len()],
+            None => noise_by_place(points, near, &residuals, progress)?,
         };
-        let n_unknown = by_point.iter().filter(|level| level.is_nan()).count();
-        by_point.iter_mut().filter(|level| level.is_nan()).for_each(|level| *level = 0.0);
         let mut known: Vec<f64> =
             (0..points.len()).filter(|&x| !near.row(x).is_empty()).map(|x| by_point[x]).collect();
-        Ok(Self { typical: CAUTION * median(&mut known), by_point, small_fits, patches, n_unknown })
+        Ok(Self { typical: CAUTION * median(&mut known), by_point, residuals })
     }
-}
-
-impl CloudNoise {
-    /// Standard deviation of the noise at a point.
-    pub(super) fn at(&self, x: usize) -> f64 {
-        CAUTION * self.by_point[x]
-    }
-}
-
-/// Median of the noise over a point and its neighbors if that of patches is among it.
-fn median_level(near: &NearestRows, small: &[f64], levels: &[f64], x: usize) -> f64 {
-    let all = || near.row(x).iter().map(|&y| y as usize).chain([x]);
-    if all().all(|y| levels[y].to_bits() == small[y].to_bits()) {
-        return levels[x];
-    }
-    let mut known: Vec<f64> = all().map(|y| levels[y]).filter(|level| level.is_finite()).collect();
-    if known.is_empty() { levels[x] } else { median(&mut known) }
 }
 
 /// New positions of a cloud, its outliers, and information about the fits.
@@ -223,17 +187,11 @@ pub(super) struct CloudResult {
 struct PointFits {
     motions: [Vector; N_FITS],
     leverages: [f64; N_FITS],
-    /// Squared biases of the patches in units of σ².
-    biases: [f64; N_FITS - N_ROBUST],
 }
 
 impl Default for PointFits {
     fn default() -> Self {
-        Self {
-            motions: [[0.0; 3]; N_FITS],
-            leverages: [f64::INFINITY; N_FITS],
-            biases: [0.0; N_FITS - N_ROBUST],
-        }
+        Self { motions: [[0.0; 3]; N_FITS], leverages: [f64::INFINITY; N_FITS] }
     }
 }
 
@@ -269,16 +227,8 @@ pub(super) fn denoise_points(
             params.strength * noise.by_point[x],
             typical * params.strength,
             params.creases,
-            &noise.patches,
         )
     })?;
-    let level = |x: usize| params.strength * noise.by_point[x];
-    let errors = parallel::try_collect(points.len(), progress, |x| {
-        FitErrors::new(near, &fits, params.strength * noise.at(x), x)
-    })?;
-    let here = parallel::try_collect(points.len(), progress, |x| FitErrors::mean(near, &errors, x))?;
-    drop(errors);
-    let around = parallel::try_collect(points.len(), progress, |x| FitErrors::mean(near, &here, x))?;
     let outcomes: Vec<PointOutcome> = parallel::try_collect(points.len(), progress, |x| {
         if is_outlier(points, near, noise, x) {
             let motion = match params.outliers {
@@ -287,9 +237,7 @@ pub(super) fn denoise_points(
             };
             return (motion, PointState::Outlier, 1.0);
         }
-        let is_strong = level(x) > STRONG_NOISE * near.radius(points, x, FIT_SIZES[2]);
-        let most = FARTHEST * noise.at(x) * params.strength.min(1.0);
-        mixed_motion(&fits[x], &here[x], &around[x], PointNoise { level: level(x), is_strong, most })
+        mixed_motion(near, &fits, noise, params.strength, x)
     })?;
     let moved: Vec<Vector> = points.iter().zip(&outcomes).map(|(p, (d, ..))| add_scaled(p, 1.0, d)).collect();
     let in_state = |state| outcomes.iter().filter(move |o| o.1 == state).count();
@@ -306,7 +254,6 @@ pub(super) fn denoise_points(
         noise_range: [0.05, 0.95].map(|share| CAUTION * quantile(&mut levels, share)),
         n_outliers: in_state(PointState::Outlier),
         n_left: in_state(PointState::Left),
-        n_unknown: noise.n_unknown,
         nearest_distance: [nearest(points)?, nearest(&moved)?],
         rounding: rounding_step(points),
         outliers: params.outliers,
@@ -323,7 +270,6 @@ fn point_fits(
     noise: f64,
     typical: f64,
     creases: Creases,
-    patches: &Patches,
 ) -> PointFits {
     let mut out = PointFits::default();
     let row = near.row(x);
@@ -331,23 +277,11 @@ fn point_fits(
     if row.len() < FIT_SIZES[0] || radius < NOTHING || noise < NOTHING {
         return out;
     }
-    let frame = FitFrame::new(points, &points[x], row, WIDTH * radius);
+    let frame = FitFrame::new(points, x, row, WIDTH * radius);
     let is_line = frame.variances[1] < LINE_RATIO * frame.variances[2];
     let share = noise / near.radius(points, x, FIT_SIZES[2]);
     let is_thick = share > VOLUME_NOISE || frame.variances[0] > VOLUME_ISOTROPY * frame.variances[2];
-    if is_thick && CAUTION * noise > VOLUME_RATIO * typical {
-        return out;
-    }
-    if creases != Creases::Keep {
-        for (k, fit) in (4..).zip(patches.motions(points, near, x)) {
-            if let Some(fit) = fit {
-                (out.motions[k], out.leverages[k]) = (fit.motion, fit.leverage.min(1.0));
-                out.biases[k - N_ROBUST] = fit.bias;
-            }
-        }
-    }
-    let is_strong = noise > STRONG_NOISE * near.radius(points, x, FIT_SIZES[2]);
-    if is_line || (is_strong && out.leverages.iter().any(|h| h.is_finite())) {
+    if is_line || (is_thick && CAUTION * noise > VOLUME_RATIO * typical) {
         return out;
     }
     let reach = RobustReach { start: START_REACH * noise, fit: FIT_REACH * noise };
@@ -367,7 +301,7 @@ fn point_fits(
         let radius = near.radius(points, x, FEW_NEIGHBORS);
         if radius >= NOTHING {
             let is_large = LEAST_SIZE * noise < radius;
-            let frame = if is_large { FitFrame::new(points, &points[x], row, WIDTH * radius) } else { frame };
+            let frame = if is_large { FitFrame::new(points, x, row, WIDTH * radius) } else { frame };
             let heights = Heights::new(points, x, row, &frame, radius);
             add(2, heights.robust_fits(WIDTH, reach), &frame);
         }
@@ -377,7 +311,7 @@ fn point_fits(
 
 /// True for a point that is far from the surface of its neighbors and farther from them than they are from each other.
 fn is_outlier(points: &[Vector], near: &NearestRows, noise: &CloudNoise, x: usize) -> bool {
-    let (residuals, level) = (noise.small_fits[x].residuals, noise.by_point[x]);
+    let (residuals, level) = (noise.residuals[x], noise.by_point[x]);
     if level < NOTHING || !residuals.iter().all(|r| *r > OUTLIER_RESIDUAL * level) {
         return false;
     }
@@ -394,13 +328,64 @@ fn pulled(points: &[Vector], near: &NearestRows, x: usize) -> Vector {
     // The neighbors as one of them sees them, so that the outlier itself does not turn the plane.
     let Some(&first) = row.first() else { return [0.0; 3] };
     let own = near.row(first as usize);
-    let frame = FitFrame::new(points, &points[first as usize], own, WIDTH * radius.max(NOTHING));
+    let frame = FitFrame::new(points, first as usize, own, WIDTH * radius.max(NOTHING));
     let mut heights: Vec<f64> = row
         .iter()
         .take(FIT_SIZES[0])
         .map(|&y| dot(&frame.axes[0], &subtract(&points[y as usize], &points[x])))
         .collect();
     frame.axes[0].map(|c| c * median(&mut heights))
+}
+
+/// Mixture of the fits of a point by their risks around it.
+fn mixed_motion(
+    near: &NearestRows,
+    fits: &[PointFits],
+    noise: &CloudNoise,
+    strength: f64,
+    x: usize,
+) -> PointOutcome {
+    let level = strength * noise.by_point[x];
+    if level < NOTHING {
+        return ([0.0; 3], PointState::Moved, 1.0);
+    }
+    if fits[x].leverages.iter().all(|h| h.is_infinite()) {
+        return ([0.0; 3], PointState::Left, 1.0);
+    }
+    let row = near.row(x);
+    let around = &row[..row.len().min(RISK_NEIGHBORS)];
+    let risk = |k: usize| {
+        let one = |y: usize| {
+            let level = strength * noise.by_point[y];
+            let PointFits { motions, leverages } = &fits[y];
+            if level < NOTHING || leverages[k].is_infinite() {
+                return FARTHEST * FARTHEST;
+            }
+            let square = dot(&motions[k], &motions[k]) / (level * level);
+            square.min(FARTHEST * FARTHEST) + LEVERAGE * leverages[k] - 1.0
+        };
+        let sum: f64 = around.iter().map(|&y| one(y as usize)).sum::<f64>() + one(x);
+        (sum / (around.len() + 1) as f64).max(0.0)
+    };
+    let risks: [f64; N_FITS] = std::array::from_fn(risk);
+    // Staying has the risk σ².
+    let least = risks.iter().copied().fold(1.0, f64::min);
+    let share = |risk: f64| (-(risk - least) / TEMPERATURE).exp();
+    let stay = share(1.0);
+    let (mut total, mut motion) = (stay, [0.0; 3]);
+    for (k, &risk) in risks.iter().enumerate() {
+        if fits[x].leverages[k].is_finite() {
+            total += share(risk);
+            motion = add_scaled(&motion, share(risk), &fits[x].motions[k]);
+        }
+    }
+    let motion = motion.map(|c| c / total);
+    // Strictly below the limit, whatever the sum of position and motion rounds to.
+    if norm(&motion) <= FARTHEST * (1.0 - 1e-9) * noise.by_point[x] * strength.min(1.0) {
+        (motion, PointState::Moved, stay / total)
+    } else {
+        ([0.0; 3], PointState::Left, 1.0)
+    }
 }
 
 /// Number of coordinates from which their rounding is found.

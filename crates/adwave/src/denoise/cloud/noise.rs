@@ -28,32 +28,27 @@ const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 const PLACE_QUANTILE: f64 = 0.4;
 const PLACE_ROUNDS: usize = 3;
 
-/// Fits to the neighbors of a point.
-#[derive(Clone, Copy, Default)]
-pub(super) struct SmallFits {
-    /// Residual of the point from each fit, in standard deviations of noise of variance 1; NaN without a fit.
-    pub(super) residuals: [f64; 3],
-    /// Normal of the neighborhood.
-    pub(super) normal: Vector,
-}
+/// Residual of a point from the fits to its neighbors, in standard deviations of noise of variance 1; NaN without a
+/// fit.
+pub(super) type Residuals = [f64; 3];
 
-/// Fits to the neighbors of all points. O(points).
-pub(super) fn small_fits(
+/// Residuals of all points. O(points).
+pub(super) fn fit_residuals(
     points: &[Vector],
     near: &NearestRows,
     progress: Progress<'_>,
-) -> Result<Vec<SmallFits>, Cancelled> {
+) -> Result<Vec<Residuals>, Cancelled> {
     parallel::try_collect(points.len(), progress, |x| {
         let row = near.row(x);
         let row = &row[..row.len().min(FIT_SIZES[2])];
         let radius = near.radius(points, x, FIT_SIZES[2]);
         if row.len() < FIT_SIZES[0] || radius < NOTHING {
-            return SmallFits { residuals: [f64::NAN; 3], normal: [0.0; 3] };
+            return [f64::NAN; 3];
         }
-        let frame = FitFrame::new(points, &points[x], row, 0.5 * radius);
+        let frame = FitFrame::new(points, x, row, 0.5 * radius);
         let heights = Heights::new(points, x, row, &frame, radius);
-        let residuals = std::array::from_fn(|c| {
-            if row.len() < FIT_SIZES[c] || heights.is_line(FIT_SIZES[c]) {
+        std::array::from_fn(|c| {
+            if row.len() < FIT_SIZES[c] {
                 return f64::NAN;
             }
             let fit = match c {
@@ -61,29 +56,27 @@ pub(super) fn small_fits(
                 _ => heights.fit_without_center::<6>(FIT_SIZES[c]),
             };
             fit.map_or(f64::NAN, |fit| fit.height.abs() / (1.0 + fit.variance).sqrt())
-        });
-        SmallFits { residuals, normal: frame.axes[0] }
+        })
     })
 }
 
-/// Standard deviation of the noise at each point: the least of three estimates from the residuals around it, smoothed;
-/// NaN where no neighborhood is a surface.
+/// Standard deviation of the noise at each point: the least of three estimates from the residuals around it, smoothed.
 pub(super) fn noise_by_place(
     points: &[Vector],
     near: &NearestRows,
-    fits: &[SmallFits],
+    residuals: &[Residuals],
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, Cancelled> {
     let levels = parallel::try_collect(points.len(), progress, |x| {
         let estimate = |c: usize| {
             let mut own = [0.0; NEIGHBORS + 1];
-            let around = near.row(x).iter().map(|&y| y as usize).chain([x]).map(|y| fits[y].residuals[c]);
+            let around = near.row(x).iter().map(|&y| y as usize).chain([x]).map(|y| residuals[y][c]);
             let mut n = 0;
             for residual in around.filter(|r| r.is_finite()) {
                 own[n] = residual;
                 n += 1;
             }
-            if 2 * n <= near.row(x).len() {
+            if n < 4 {
                 return f64::INFINITY;
             }
             let deviation = one_sheet_deviation(&mut own[..n]);
@@ -99,18 +92,17 @@ pub(super) fn noise_by_place(
     let mut smooth = parallel::try_collect(points.len(), progress, |x| {
         let known = near.row(x).iter().map(|&y| levels[y as usize]).chain([levels[x]]);
         let (sum, n) = known.filter(|s| s.is_finite()).fold((0.0, 0), |(sum, n), s| (sum + s, n + 1));
-        if n > 0 { sum / f64::from(n) } else { f64::NAN }
+        if n > 0 { sum / f64::from(n) } else { 0.0 }
     })?;
     for _ in 0..PLACE_ROUNDS {
         smooth = parallel::try_collect(points.len(), progress, |x| {
+            let row = near.row(x);
             let mut own = [0.0; NEIGHBORS + 1];
-            let all = near.row(x).iter().map(|&y| smooth[y as usize]).chain([smooth[x]]);
-            let mut n = 0;
-            for level in all.filter(|s| s.is_finite()) {
-                own[n] = level;
-                n += 1;
+            for (slot, &y) in own.iter_mut().zip(row) {
+                *slot = smooth[y as usize];
             }
-            if n > 0 { quantile(&mut own[..n], PLACE_QUANTILE) } else { f64::NAN }
+            own[row.len()] = smooth[x];
+            quantile(&mut own[..=row.len()], PLACE_QUANTILE)
         })?;
     }
     Ok(smooth)
@@ -127,7 +119,7 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
 
 /// Standard deviation of the noise of residuals ±a + noise, as points of two sheets have them, with a ≥ 0 from the
 /// ratio of the 90 % quantile to the median.
-pub(super) fn one_sheet_deviation(residuals: &mut [f64]) -> f64 {
+fn one_sheet_deviation(residuals: &mut [f64]) -> f64 {
     let middle = median(residuals);
     let ratio = SHEETS_MARGIN * quantile(residuals, 0.9) / middle.max(f64::MIN_POSITIVE);
     let table = &*SHEET_TABLE;
