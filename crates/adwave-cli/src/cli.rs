@@ -199,6 +199,7 @@ mod tests {
         let Command::Saliency(saliency) = parse("adwave saliency a.ply -o b.ply") else { panic!("saliency") };
         assert_eq!(saliency.map.to_params(&saliency.border), SaliencyParams::default());
         assert_eq!(saliency.shape.operator.to_walk_params(), OperatorParams::default());
+        assert_eq!(saliency.levels.accuracy, None);
         let Command::Features(features) = parse("adwave features a.ply") else { panic!("features") };
         assert_eq!(features.detect.to_params(&features.border), FeatureParams::default());
     }
