@@ -18,7 +18,7 @@ use super::{
 use crate::bands::Wavelets;
 use crate::population::Population;
 use crate::rows::Pattern;
-use crate::saliency::{ROUGHNESS, VARIANCE, roughness_at};
+use crate::saliency::{VARIANCE, noise_times_area};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
@@ -52,10 +52,7 @@ const SPACING: f64 = 0.25;
 const BORDER: f64 = RING[1] + RING_BORDER;
 
 /// Distance from the border in σ below which the border changes the response, so that a point does not belong to a ring.
-const RING_BORDER: f64 = 1.5;
-
-/// Number of successive vertices of the analysis order, which lie together, that share an estimate of the roughness.
-const VERTICES_TOGETHER: usize = 64;
+pub(super) const RING_BORDER: f64 = 1.5;
 
 /// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
@@ -91,7 +88,8 @@ pub(super) fn mesh_features(
     let geometry = decomposer.geometry_for("a search for features of a mesh")?;
     let ring = decomposer.ring(progress.quiet())?;
     let wavelets = responses(decomposer, geometry, coordinates, normals, progress)?;
-    let roughness = roughness(decomposer, &wavelets, &ring);
+    let finest: Vec<&[f64]> = wavelets.levels.iter().take(2).map(Vec::as_slice).collect();
+    let roughness = noise_times_area(decomposer, &finest, &ring);
     let points = decomposer.positions();
     let square_edges: Vec<f64> = parallel::collect(points.len(), |x| {
         let row = ring.row(x);
@@ -258,24 +256,6 @@ impl<'a> Orientation<'a> {
 fn triangle_normal(points: &[[f64; 3]], triangle: &[u32; 3]) -> [f64; 3] {
     let [a, b, c] = triangle.map(|x| &points[x as usize]);
     cross(&subtract(b, a), &subtract(c, a))
-}
-
-/// Roughness of the two finest levels at each vertex: the variance of independent normal displacements that would cause
-/// it, times the area of the vertex, in model units to the fourth power. Groups of adjacent vertices share the larger of
-/// the two estimates.
-fn roughness(decomposer: &Decomposer, wavelets: &Wavelets, ring: &Adjacency) -> Vec<f64> {
-    let n = wavelets.n_welded();
-    let group = |g: usize| {
-        let vertices = g * VERTICES_TOGETHER..((g + 1) * VERTICES_TOGETHER).min(n);
-        let estimate = |(level, of_noise): (&Vec<f64>, f64)| {
-            let rough = vertices.clone().map(|x| roughness_at(ring, level, x));
-            rough.sum::<f64>() / (vertices.len() as f64 * of_noise)
-        };
-        wavelets.levels.iter().zip(ROUGHNESS).map(estimate).fold(0.0, f64::max)
-    };
-    let groups: Vec<f64> = parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group);
-    let areas = decomposer.place_measure();
-    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(1.0, |areas| areas[x]))
 }
 
 /// Search on the levels of one shape.

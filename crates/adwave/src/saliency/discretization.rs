@@ -8,7 +8,7 @@ use crate::{Cancelled, Decomposer, Progress, parallel};
 
 /// Mean square difference between a vertex and the mean of its ring on the two finest levels, for independent values of
 /// variance 1 on an even mesh.
-pub(crate) const ROUGHNESS: [f64; 2] = [0.26, 0.068];
+const ROUGHNESS: [f64; 2] = [0.26, 0.068];
 
 /// Variance on a level for independent values of variance 1, times σ_j² and divided by the area of a vertex. It is
 /// (4 + 2 − 16/3)/4π = 0.053 on a plane, and up to 0.09 on the finest levels and on uneven meshes.
@@ -21,14 +21,16 @@ const TRIANGLES: f64 = 0.2;
 /// Largest deviation from the mean that the mesh and noise cause, in standard deviations.
 const LARGEST: f64 = 6.0;
 
-/// Estimates of what the mesh of a surface, and noise, contribute to the variance of a level.
+/// Number of successive vertices of the analysis order, which lie together, that share an estimate of the noise.
+const VERTICES_TOGETHER: usize = 64;
+
+/// Estimates of what the mesh of a surface, and noise, contribute to the levels of a map.
 pub(super) struct Discretization {
-    /// Variance of independent displacements of the vertices that would make the finest levels as rough as they are.
-    noise: f64,
-    /// Mean area of a vertex.
-    area: f64,
-    /// Mean fourth power of the mean length of the edges at a vertex.
-    edges: f64,
+    /// Variance of noise at a vertex times its area, the largest of the vertex, of its neighbors and of the mean of all,
+    /// in the squared unit of the signal times a squared length.
+    noise: Vec<f64>,
+    /// Fourth power of the mean length of the edges at a vertex, likewise the largest around it.
+    edges: Vec<f64>,
 }
 
 impl Discretization {
@@ -44,27 +46,25 @@ impl Discretization {
             return Ok(None);
         }
         let ring = decomposer.ring(progress.quiet())?;
-        let n = ring.n_rows();
-        let noise = levels
-            .iter()
-            .zip(ROUGHNESS)
-            .map(|(level, of_noise)| population.mean_over(n, |x| roughness_at(&ring, level, x)) / of_noise);
-        let noise = noise.fold(0.0, f64::max);
         let points = decomposer.positions();
-        let n_members = (0..n).filter(|&x| !population.is_masked(x)).count().max(1);
-        let area =
-            decomposer.place_measure().map_or(0.0, |areas| parallel::sum(n, |x| areas[x])) / n_members as f64;
-        let edges = population.mean_over(n, |x| {
+        let edges = parallel::collect(ring.n_rows(), |x| {
             let row = ring.row(x);
             let sum: f64 = row.iter().map(|&y| distance(&points[x], &points[y as usize])).sum();
             (sum / row.len().max(1) as f64).powi(4)
         });
-        Ok(Some(Self { noise, area, edges }))
+        // A level reaches at least the neighbors, and the coarse ones average over many.
+        let largest_around = |values: Vec<f64>| {
+            let mean = population.mean(&values);
+            parallel::collect(values.len(), |x| {
+                ring.row(x).iter().fold(values[x].max(mean), |most, &y| most.max(values[y as usize]))
+            })
+        };
+        let noise = largest_around(noise_times_area(decomposer, levels, &ring));
+        Ok(Some(Self { noise, edges: largest_around(edges) }))
     }
 
-    /// Share of a level of width `sigma` that stands out: 0 if the mesh and noise explain its largest deviation from the
-    /// mean, 1 if they explain at most half of its square.
-    pub(super) fn share_standing_out(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> f64 {
+    /// What the mesh and noise explain of a level of width `sigma`.
+    pub(super) fn level(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> ExplainedLevel<'_> {
         let known = |x: usize| if level[x].is_nan() { 0.0 } else { level[x] };
         let chunk = |range: std::ops::Range<usize>| {
             range
@@ -73,18 +73,63 @@ impl Discretization {
         };
         let sum: f64 = parallel::map_chunks(level.len(), VERTICES_AT_A_TIME, chunk).iter().sum();
         let mean = sum / population.total();
+        let of_noise = LARGEST * LARGEST * VARIANCE / (sigma * sigma);
+        let of_triangles = (LARGEST * TRIANGLES * mean).powi(2) / sigma.powi(4);
+        let mut found = ExplainedLevel { of: self, mean, of_noise, of_triangles, share: 0.0 };
         let most = parallel::max(level.len(), 0.0, |x| {
-            if population.is_masked(x) { 0.0 } else { (known(x) - mean).abs() }
+            let away = if population.is_masked(x) { 0.0 } else { (known(x) - mean).abs() };
+            if away > 0.0 { away / found.explained(x) } else { 0.0 }
         });
-        let of_noise = VARIANCE * self.noise * self.area / (sigma * sigma);
-        let of_triangles = (TRIANGLES * mean).powi(2) * self.edges / sigma.powi(4);
-        let explained = LARGEST * LARGEST * (of_noise + of_triangles);
-        if most > 0.0 { (most * most / explained - 1.0).clamp(0.0, 1.0) } else { 0.0 }
+        found.share = (most * most - 1.0).clamp(0.0, 1.0);
+        found
     }
 }
 
+/// What the mesh and noise explain of one level.
+pub(super) struct ExplainedLevel<'a> {
+    of: &'a Discretization,
+    mean: f64,
+    of_noise: f64,
+    of_triangles: f64,
+    /// Share of the level that counts: 0 if the mesh and noise explain every deviation from the mean, 1 if they explain
+    /// at most half of the square of one.
+    pub(super) share: f64,
+}
+
+impl ExplainedLevel<'_> {
+    /// Largest deviation from the mean at `x` that is explained.
+    fn explained(&self, x: usize) -> f64 {
+        (self.of_noise * self.of.noise[x] + self.of_triangles * self.of.edges[x]).sqrt()
+    }
+
+    /// The `value` of the level at `x`, which had been multiplied by `left`, less what is explained of its deviation from
+    /// the mean.
+    pub(super) fn standing_out(&self, x: usize, value: f64, left: f64) -> f64 {
+        let mean = left * self.mean;
+        let away = value - mean;
+        mean + away.signum() * (away.abs() - left * self.explained(x)).max(0.0)
+    }
+}
+
+/// Variance of independent displacements that would make the two finest `levels` as rough as they are, times the area of
+/// the vertex, at each vertex. Groups of adjacent vertices share the larger of the two estimates.
+pub(crate) fn noise_times_area(decomposer: &Decomposer, levels: &[&[f64]], ring: &Adjacency) -> Vec<f64> {
+    let n = ring.n_rows();
+    let group = |g: usize| {
+        let vertices = g * VERTICES_TOGETHER..((g + 1) * VERTICES_TOGETHER).min(n);
+        let estimate = |(level, of_noise): (&&[f64], f64)| {
+            let rough = vertices.clone().map(|x| roughness_at(ring, level, x));
+            rough.sum::<f64>() / (vertices.len() as f64 * of_noise)
+        };
+        levels.iter().zip(ROUGHNESS).map(estimate).fold(0.0, f64::max)
+    };
+    let groups: Vec<f64> = parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group);
+    let areas = decomposer.place_measure();
+    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(1.0, |areas| areas[x]))
+}
+
 /// Squared difference between the value at `x` and the mean over its ring.
-pub(crate) fn roughness_at(ring: &Adjacency, level: &[f64], x: usize) -> f64 {
+fn roughness_at(ring: &Adjacency, level: &[f64], x: usize) -> f64 {
     let row = ring.row(x);
     if row.is_empty() || level[x].is_nan() {
         return 0.0;

@@ -10,7 +10,7 @@ mod drawn;
 mod height;
 mod params;
 
-pub(crate) use discretization::{ROUGHNESS, VARIANCE, roughness_at};
+pub(crate) use discretization::{VARIANCE, noise_times_area};
 pub use drawn::saliency_f32;
 pub use height::with_height;
 pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
@@ -207,8 +207,7 @@ fn parts<'a>(
         progress.step((level - skip - 1) as u64, (n_levels - skip) as u64)?;
         let sigma = wavelets.sigma[level];
         let mut norms = wavelets.level_norms(level);
-        let share = |d: &Discretization| d.share_standing_out(&population, &norms, sigma);
-        let standing_out = discretization.as_ref().map_or(1.0, share);
+        let explained = discretization.as_ref().map(|d| d.level(&population, &norms, sigma));
         let left = border.as_ref().map(|border| border.fade(norms.to_mut(), sigma));
         let share = left.as_ref().map_or(1.0, |left| population.mean(left));
         let mean = if share > 0.0 { population.mean(&norms) / share } else { 0.0 };
@@ -221,12 +220,20 @@ fn parts<'a>(
             Weighting::Normalized | Weighting::Entropy if mean == 0.0 => 0.0,
             Weighting::Normalized => 1.0 / mean,
             Weighting::Entropy => {
-                standing_out * unevenness(&population, &norms, left.as_deref(), mean) / mean
+                let share = explained.as_ref().map_or(1.0, |explained| explained.share);
+                share * unevenness(&population, &norms, left.as_deref(), mean) / mean
             }
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
             ranks(&population, norms.to_mut(), left.as_deref(), progress)?;
+        }
+        if let Some(explained) = explained {
+            parallel::visit_rows(norms.to_mut(), 1, VERTICES_AT_A_TIME, |first, values| {
+                for (x, value) in (first..).zip(values) {
+                    *value = explained.standing_out(x, *value, left.as_ref().map_or(1.0, |left| left[x]));
+                }
+            });
         }
         Ok(LevelPart { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms, sign: params.sign })
     };
