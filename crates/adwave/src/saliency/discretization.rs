@@ -103,11 +103,11 @@ impl ExplainedLevel<'_> {
     }
 
     /// The `value` of the level at `x`, which had been multiplied by `left`, less what is explained of its deviation from
-    /// the mean.
+    /// the mean where the level does not count completely.
     pub(super) fn standing_out(&self, x: usize, value: f64, left: f64) -> f64 {
         let mean = left * self.mean;
         let away = value - mean;
-        mean + away.signum() * (away.abs() - left * self.explained(x)).max(0.0)
+        mean + away.signum() * (away.abs() - (1.0 - self.share) * left * self.explained(x)).max(0.0)
     }
 }
 

@@ -228,7 +228,7 @@ fn parts<'a>(
         if params.weighting == Weighting::Ranks {
             ranks(&population, norms.to_mut(), left.as_deref(), progress)?;
         }
-        if let Some(explained) = explained {
+        if let Some(explained) = explained.filter(|explained| explained.share < 1.0) {
             parallel::visit_rows(norms.to_mut(), 1, VERTICES_AT_A_TIME, |first, values| {
                 for (x, value) in (first..).zip(values) {
                     *value = explained.standing_out(x, *value, left.as_ref().map_or(1.0, |left| left[x]));

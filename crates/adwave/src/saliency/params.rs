@@ -19,11 +19,12 @@ pub enum Weighting {
     /// `α_j = mean_x(r·ln r)/mean_x|W_f(j,x)|` with `r(x) = |W_f(j,x)|/mean|W_f(j)|`: every level is divided by its
     /// mean and weighted by its unevenness. mean(r·ln r) ≥ 0 is the difference between the entropy of an even level
     /// and that of the level; it is 0 if |W| is the same everywhere (a sphere), so a level on which nothing stands
-    /// out contributes nothing. For heat on a mesh, W(j,x) is also brought closer to the mean ⟨W(j)⟩ by what the triangles
-    /// and noise explain at x, `d = 6·√(0.09·s²·a/σ_j² + 0.04·⟨W⟩²·e⁴/σ_j⁴)`, and α_j multiplied by
-    /// `max|W − ⟨W⟩|²/d² − 1` within [0, 1]: s² is the variance of independent displacements that would make the two
-    /// finest levels as rough as they are around x, a the area of x, e the mean length of its edges, and s²·a and e⁴
-    /// are the largest among x, its neighbors and the mean of all. A perfect sphere has saliency 0.
+    /// out contributes nothing. For heat on a mesh, the triangles and noise explain deviations from the mean ⟨W(j)⟩ up to
+    /// `d = 6·√(0.09·s²·a/σ_j² + 0.04·⟨W⟩²·e⁴/σ_j⁴)` at x: s² is the variance of independent displacements that would
+    /// make the two finest levels as rough as they are around x, a the area of x, e the mean length of its edges, and
+    /// s²·a and e⁴ are the largest among x, its neighbors and the mean of all. α_j is multiplied by
+    /// `t = max|W − ⟨W⟩|²/d² − 1` within [0, 1], and W(j,x) is brought closer to the mean by (1 − t)·d. A perfect
+    /// sphere has saliency 0.
     #[default]
     Entropy,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level has the same weight, as for features.
