@@ -63,7 +63,7 @@ impl Discretization {
         Ok(Some(Self { noise, edges: largest_around(edges) }))
     }
 
-    /// What the mesh and noise explain of a level of width `sigma`.
+    /// Part of a level of width `sigma` that the mesh and noise explain.
     pub(super) fn level(&self, population: &Population<'_>, level: &[f64], sigma: f64) -> ExplainedLevel<'_> {
         let known = |x: usize| if level[x].is_nan() { 0.0 } else { level[x] };
         let chunk = |range: std::ops::Range<usize>| {
@@ -85,7 +85,7 @@ impl Discretization {
     }
 }
 
-/// What the mesh and noise explain of one level.
+/// Part of one level that the mesh and noise explain.
 pub(super) struct ExplainedLevel<'a> {
     of: &'a Discretization,
     mean: f64,
