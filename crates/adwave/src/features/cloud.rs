@@ -7,7 +7,6 @@
 //! halves of the points, and a feature must stand out from its surroundings by several times the difference.
 
 use super::sample::SampleResponse;
-use super::surface::RING_BORDER;
 use super::{
     CoordinateFeatureError, CoordinateFeatures, Feature, FeatureParams, Response, ShapeCoordinates, features,
     select_spread,
@@ -30,10 +29,6 @@ pub(super) const ROUNDING: f64 = 1e-6;
 /// Outer radius of the surroundings of a feature, in σ; the inner one is half of it.
 const SURROUNDINGS: f64 = 2.0;
 
-/// Distance from the border in σ up to which a level has no features, unless another is given: where the border changes
-/// the response of the surroundings.
-const BORDER: f64 = SURROUNDINGS + RING_BORDER;
-
 /// Radius within which drawing and noise are measured, in σ.
 const MEASURED: f64 = 3.0;
 
@@ -55,8 +50,7 @@ pub(super) fn cloud_features(
     let sample = SampleResponse::new(decomposer, coordinates, normals, &wavelets.levels, progress.quiet())?;
     center_levels(decomposer, &mut wavelets);
     let response = if params.response == Response::Normalized { Response::Sigma } else { params.response };
-    let border_sigmas = params.border_sigmas.or(Some(BORDER));
-    let every = FeatureParams { best: None, response, border_sigmas, ..*params };
+    let every = FeatureParams { best: None, response, ..*params };
     let candidates = features(decomposer, &with_level_beyond(&wavelets, response), &every, progress.quiet())?;
     let test = SignificanceTest { decomposer, wavelets: &wavelets, sample };
     let is_significant: Vec<bool> = parallel::map_items(decomposer.n_vertices(), candidates.len(), |k| {

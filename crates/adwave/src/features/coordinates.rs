@@ -93,8 +93,7 @@ pub struct CoordinateFeatures {
 /// feature must differ from the mean of the response between σ and 2σ around it by more than 9 standard deviations of
 /// the response. The standard deviation is the root mean square difference from the responses of two random halves of
 /// the points, the larger of the local and the global one. Levels finer than half of the points resolves have no
-/// features, and the features of the last level include bumps that are wider. Closer than 3.5σ_j to a border there are
-/// none, unless [`FeatureParams::border_sigmas`] says otherwise. Of significant features within σ of
+/// features, and the features of the last level include bumps that are wider. Of significant features within σ of
 /// each other the strongest is kept.
 ///
 /// # Errors
