@@ -35,7 +35,8 @@ pub(crate) fn operator_for_analysis(
     levels: &LevelArgs,
     shape: &Shape,
 ) -> Result<OperatorParams, CliError> {
-    operator_for_task(args, levels.to_spec().analysis_task(shape))
+    let levels = levels.to_spec().operator_task();
+    operator_for_task(args, if shape.is_mesh() { OperatorTask::Analysis } else { levels })
 }
 
 /// Parameters of the diffusion operator for levels.

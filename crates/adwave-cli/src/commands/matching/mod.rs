@@ -19,8 +19,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorTask;
 use adwave_io::MovedNormals;
 use adwave_register::{
-    DEFAULT_THETA, Motion, Pair, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures,
-    common_lengths, describe_shape, descriptor_pairs, register,
+    Motion, Pair, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures, common_lengths,
+    describe_shape, descriptor_pairs, register,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -126,9 +126,7 @@ fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     } else {
         global.given.refuse(&["--ratio"], "applies to --motion none")?;
     }
-    for (name, value) in
-        [("--within", args.within), ("--theta", args.theta.unwrap_or(DEFAULT_THETA)), ("--ratio", args.ratio)]
-    {
+    for (name, value) in [("--within", args.within), ("--theta", args.theta), ("--ratio", args.ratio)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(CliError::Input(format!("{name} must be a number above 0, got {value}")));
         }
