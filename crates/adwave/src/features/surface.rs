@@ -18,7 +18,7 @@ use super::{
 use crate::bands::Wavelets;
 use crate::population::Population;
 use crate::rows::Pattern;
-use crate::saliency::{VARIANCE, noise_times_area};
+use crate::saliency::{VARIANCE, noise_times_area, unit_length};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
@@ -52,7 +52,7 @@ const SPACING: f64 = 0.25;
 const BORDER: f64 = RING[1] + RING_BORDER;
 
 /// Distance from the border in σ below which the border changes the response, so that a point does not belong to a ring.
-pub(super) const RING_BORDER: f64 = 1.5;
+const RING_BORDER: f64 = 1.5;
 
 /// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
@@ -449,7 +449,7 @@ impl<'a> Disks<'a> {
         let middle = around.len() / 2;
         let median = *around.select_nth_unstable_by(middle, f64::total_cmp).1;
         let share = 1.0 / n_disk as f64;
-        let noise = (VARIANCE * share * squares).sqrt() / (sigma * sigma);
+        let noise = (VARIANCE * share * squares).sqrt() / sigma * (unit_length(decomposer) / sigma);
         let square = share * edges / (sigma * sigma);
         let systematic = SYSTEMATIC
             * RESPONSE_OF_NORMALS

@@ -1,4 +1,4 @@
-//! The share of a level that its mesh and noise explain.
+//! Deviations of a level that the mesh and noise explain.
 
 use super::VERTICES_AT_A_TIME;
 use crate::operator::OperatorKind;
@@ -26,11 +26,13 @@ const VERTICES_TOGETHER: usize = 64;
 
 /// Estimates of what the mesh of a surface, and noise, contribute to the levels of a map.
 pub(super) struct Discretization {
-    /// Variance of noise at a vertex times its area, the largest of the vertex, of its neighbors and of the mean of all,
-    /// in the squared unit of the signal times a squared length.
+    /// Variance of noise at a vertex times its area in squares of the unit, the largest of the vertex, of its neighbors
+    /// and of the mean of all.
     noise: Vec<f64>,
-    /// Fourth power of the mean length of the edges at a vertex, likewise the largest around it.
+    /// Fourth power of the mean length of the edges at a vertex in the unit, likewise the largest around it.
     edges: Vec<f64>,
+    /// Unit of length in model units, so that powers neither overflow nor underflow.
+    unit: f64,
 }
 
 impl Discretization {
@@ -46,21 +48,23 @@ impl Discretization {
             return Ok(None);
         }
         let ring = decomposer.ring(progress.quiet())?;
-        let points = decomposer.positions();
+        let (points, unit) = (decomposer.positions(), unit_length(decomposer));
         let edges = parallel::collect(ring.n_rows(), |x| {
             let row = ring.row(x);
             let sum: f64 = row.iter().map(|&y| distance(&points[x], &points[y as usize])).sum();
-            (sum / row.len().max(1) as f64).powi(4)
+            (sum / (unit * row.len().max(1) as f64)).powi(4)
         });
         // A level reaches at least the neighbors, and the coarse ones average over many.
         let largest_around = |values: Vec<f64>| {
-            let mean = population.mean(&values);
+            // Relative to the largest, as their products with areas may exceed the largest number.
+            let most = parallel::max(values.len(), 0.0, |x| values[x]).max(f64::MIN_POSITIVE);
+            let mean = most * population.mean_over(values.len(), |x| values[x] / most);
             parallel::collect(values.len(), |x| {
                 ring.row(x).iter().fold(values[x].max(mean), |most, &y| most.max(values[y as usize]))
             })
         };
         let noise = largest_around(noise_times_area(decomposer, levels, &ring));
-        Ok(Some(Self { noise, edges: largest_around(edges) }))
+        Ok(Some(Self { noise, edges: largest_around(edges), unit }))
     }
 
     /// Part of a level of width `sigma` that the mesh and noise explain.
@@ -73,6 +77,7 @@ impl Discretization {
         };
         let sum: f64 = parallel::map_chunks(level.len(), VERTICES_AT_A_TIME, chunk).iter().sum();
         let mean = sum / population.total();
+        let sigma = sigma / self.unit;
         let of_noise = LARGEST * LARGEST * VARIANCE / (sigma * sigma);
         let of_triangles = (LARGEST * TRIANGLES * mean).powi(2) / sigma.powi(4);
         let mut found = ExplainedLevel { of: self, mean, of_noise, of_triangles, share: 0.0 };
@@ -111,21 +116,31 @@ impl ExplainedLevel<'_> {
     }
 }
 
+/// Length in model units in which areas and edges are measured: the mean length of an edge.
+pub(crate) fn unit_length(decomposer: &Decomposer) -> f64 {
+    let length = decomposer.mean_length();
+    if length.is_normal() { length } else { 1.0 }
+}
+
 /// Variance of independent displacements that would make the two finest `levels` as rough as they are, times the area of
-/// the vertex, at each vertex. Groups of adjacent vertices share the larger of the two estimates.
+/// the vertex in squares of [`unit_length`], at each vertex. Groups of adjacent vertices share the larger of the two
+/// estimates.
 pub(crate) fn noise_times_area(decomposer: &Decomposer, levels: &[&[f64]], ring: &Adjacency) -> Vec<f64> {
     let n = ring.n_rows();
     let group = |g: usize| {
         let vertices = g * VERTICES_TOGETHER..((g + 1) * VERTICES_TOGETHER).min(n);
         let estimate = |(level, of_noise): (&&[f64], f64)| {
-            let rough = vertices.clone().map(|x| roughness_at(ring, level, x));
-            rough.sum::<f64>() / (vertices.len() as f64 * of_noise)
+            let known = vertices.clone().filter(|&x| !level[x].is_nan());
+            let n_known = known.clone().count().max(1);
+            known.map(|x| roughness_at(ring, level, x)).sum::<f64>() / (n_known as f64 * of_noise)
         };
         levels.iter().zip(ROUGHNESS).map(estimate).fold(0.0, f64::max)
     };
     let groups: Vec<f64> = parallel::map_items(n, n.div_ceil(VERTICES_TOGETHER), group);
-    let areas = decomposer.place_measure();
-    parallel::collect(n, |x| groups[x / VERTICES_TOGETHER] * areas.map_or(1.0, |areas| areas[x]))
+    let (areas, unit) = (decomposer.place_measure(), unit_length(decomposer));
+    parallel::collect(n, |x| {
+        groups[x / VERTICES_TOGETHER] * areas.map_or(1.0, |areas| areas[x] / unit / unit)
+    })
 }
 
 /// Squared difference between the value at `x` and the mean over its ring.

@@ -10,7 +10,7 @@ mod drawn;
 mod height;
 mod params;
 
-pub(crate) use discretization::{VARIANCE, noise_times_area};
+pub(crate) use discretization::{VARIANCE, noise_times_area, unit_length};
 pub use drawn::saliency_f32;
 pub use height::with_height;
 pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
