@@ -14,16 +14,26 @@ const ROBUST: f64 = 0.9;
 /// Source: `brown2005` (adaptive
 /// non-maximal suppression).
 pub fn select_spread(features: &[Feature], n: usize) -> Vec<Feature> {
-    let radius = |a: &Feature| {
-        let Some(p) = a.position else { return f64::INFINITY };
-        let stronger = features.iter().filter(|b| ROBUST * b.strength > a.strength);
+    select_spread_by(features, n, |feature| feature.strength)
+}
+
+/// Selects the `n` features as [`select_spread`] does, with `strength` as their strength.
+pub(super) fn select_spread_by(
+    features: &[Feature],
+    n: usize,
+    strength: impl Fn(&Feature) -> f64 + Sync,
+) -> Vec<Feature> {
+    let strengths: Vec<f64> = features.iter().map(strength).collect();
+    let radius = |k: usize| {
+        let Some(p) = features[k].position else { return f64::INFINITY };
+        let stronger = features.iter().zip(&strengths).filter(|(_, other)| ROBUST * *other > strengths[k]);
         let squared = |b: &Feature| b.position.map(|q| crate::shape::squared_distance(&p, &q));
-        stronger.filter_map(squared).fold(f64::INFINITY, f64::min)
+        stronger.filter_map(|(b, _)| squared(b)).fold(f64::INFINITY, f64::min)
     };
-    let radii: Vec<f64> = parallel::map_items(features.len(), features.len(), |k| radius(&features[k]));
+    let radii: Vec<f64> = parallel::map_items(features.len(), features.len(), radius);
     let mut order: Vec<usize> = (0..features.len()).collect();
     order.sort_by(|&a, &b| {
-        let by_strength = features[b].strength.total_cmp(&features[a].strength);
+        let by_strength = strengths[b].total_cmp(&strengths[a]);
         radii[b].total_cmp(&radii[a]).then(by_strength).then(a.cmp(&b))
     });
     order.truncate(n);

@@ -81,7 +81,8 @@ pub struct CoordinateFeatures {
 /// s² is the variance of independent displacements that would make the two finest levels as rough as they are, a
 /// the area of a vertex, b the root mean square difference of the normals from that at x, and e the root mean
 /// square length of the edges; means run over the disk. Side lobes beside stronger features of the opposite sign
-/// and weaker answers to the same detail are dropped. Closer than 4σ_j to a border there are none, unless
+/// and weaker answers to the same detail are dropped, and what one side of a part that is thinner than σ answers while the
+/// opposite side answers the other way. Closer than 4σ_j to a border there are none, unless
 /// [`FeatureParams::border_sigmas`] says otherwise. `response` is C, `strength` is |C|/d, and `sigma` lies between
 /// levels: for a Gaussian bump of small height it is its standard deviation to 10 %. θ, the response and the scope
 /// of the parameters do not apply.

@@ -105,7 +105,8 @@ pub struct FeatureParams {
     /// Distance from the border of a mesh or cloud, or from masked vertices, within which features are rejected, in
     /// σ, ≥ 0. A graph has no border.
     pub border_sigmas: Option<f64>,
-    /// Number of features to keep; the strong ones, well spread (see [`select_spread`](super::select_spread)).
+    /// Number of features to keep; the strong ones, well spread (see [`select_spread`](super::select_spread)). For the
+    /// coordinates of a mesh they are those of the largest |C|.
     pub best: Option<usize>,
 }
 

@@ -6,6 +6,7 @@
 //! two finest levels as roughness between adjacent vertices, and how much of it reaches a coarser level follows from the
 //! area of the kernel. A feature must stand out from the ring around it by many times as much.
 
+use super::best::select_spread_by;
 use super::cloud::{MOST_CORRECTION, ROUNDING};
 use super::detect::{Neighborhood, first_members};
 use super::disk::PointGrid;
@@ -13,7 +14,6 @@ use super::refine::{TangentNeighborhood, edge_ratio, parabola_peak, refined_posi
 use super::response::ResponseLevel;
 use super::{
     CoordinateFeatureError, CoordinateFeatures, Feature, FeatureParams, Refinement, ShapeCoordinates,
-    select_spread,
 };
 use crate::bands::Wavelets;
 use crate::population::Population;
@@ -22,7 +22,7 @@ use crate::saliency::{VARIANCE, noise_times_area, unit_length};
 use crate::shape::{Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices};
 use crate::vector::{cross, dot, subtract};
 use crate::{Cancelled, Decomposer, Progress, parallel};
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 /// Least contrast of a feature, in standard deviations due to noise and to the triangles.
 const SIGNIFICANT: f64 = 14.0;
@@ -73,6 +73,12 @@ const SIDE_LOBE_WIDTHS: f64 = 2.2;
 
 /// Distance within which side lobes lie, in the larger σ.
 const SIDE_LOBE_REACH: f64 = 3.0;
+
+/// Largest share of the surface around a feature that faces the other way and responds otherwise.
+const OTHER_SIDE: f64 = 0.15;
+
+/// Distance up to which surface belongs to that, in σ.
+const SIDES_REACH: f64 = 1.5;
 
 /// Largest number of levels between two features of which one describes the other.
 const LEVELS_OF_ONE: usize = 2;
@@ -140,7 +146,8 @@ pub(super) fn mesh_features(
         feature.vertex = first[feature.vertex] as usize;
     }
     if let Some(best) = params.best {
-        features = select_spread(&features, best);
+        // A standard deviation shrinks with σ, so that strengths of different widths don't compare; contrasts do.
+        features = select_spread_by(&features, best, |feature| feature.response.abs());
     }
     Ok(CoordinateFeatures { features, wavelets })
 }
@@ -364,6 +371,9 @@ impl Search<'_> {
         if !is_peak {
             return None;
         }
+        if !self.is_same_on_other_side(x, j, sign) {
+            return None;
+        }
         let mut feature = Feature {
             vertex: x,
             position: self.decomposer.positions().get(x).copied(),
@@ -385,6 +395,33 @@ impl Search<'_> {
             }
         }
         Some(feature)
+    }
+
+    /// True if most of the surface around `x` faces the same way on level `j`, or the response of the rest has the sign
+    /// `sign` too. Around a part that is thinner than σ the band is one vector, so that where one side seems to be a dent
+    /// the opposite one seems to be a bump, and neither is. The end of a limb is a bump on all sides.
+    fn is_same_on_other_side(&self, x: usize, j: usize, sign: f64) -> bool {
+        let (sigma, level) = (self.wavelets.sigma[j], &self.wavelets.levels[j - 1]);
+        let points = self.decomposer.positions();
+        let areas = self.decomposer.place_measure();
+        let mut reached = HashSet::from([x as u32]);
+        let mut next = vec![x as u32];
+        let (mut whole, mut other, mut response) = (0.0, 0.0, 0.0);
+        while let Some(y) = next.pop() {
+            let y = y as usize;
+            let squared_sigmas = squared_distance(&points[x], &points[y]) / (sigma * sigma);
+            if squared_sigmas > SIDES_REACH * SIDES_REACH || level[y].is_nan() {
+                continue;
+            }
+            let weight = areas.map_or(1.0, |areas| areas[y]) * (-0.5 * squared_sigmas).exp();
+            whole += weight;
+            if dot(&self.normals[x], &self.normals[y]) < 0.0 {
+                other += weight;
+                response += weight * level[y];
+            }
+            next.extend(self.ring.row(y).iter().filter(|&&z| reached.insert(z)));
+        }
+        other <= OTHER_SIDE * whole || sign * response > 0.0
     }
 
     /// Vertices within two rings of `x`, without `x`.
