@@ -22,9 +22,6 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Smallest response of a feature that is used to find a motion, in multiples of the mean of its level.
-const THETA: f64 = 1.0;
-
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simplify, module)?)?;
     module.add_function(wrap_pyfunction!(match_shapes, module)?)?;
@@ -104,7 +101,7 @@ fn simplify<'py>(
 /// Options of matching.
 #[derive(FromPyObject)]
 struct MatchOptions {
-    theta: f64,
+    theta: Option<f64>,
     within: f64,
     scaled: bool,
 }
@@ -154,7 +151,7 @@ fn match_shapes<'py>(
 fn registrands(
     a: &Prepared,
     b: &Prepared,
-    theta: f64,
+    theta: Option<f64>,
     scaled: bool,
     p: Progress<'_>,
 ) -> Stage<[Registrand; 2]> {
@@ -192,7 +189,7 @@ fn aligning_motion(
     let start = if let Some(found) = stage(fit_in_place(&plain(a)?, &plain(b)?, p))? {
         found.motion
     } else {
-        let [one, two] = registrands(a, b, THETA, false, p)?;
+        let [one, two] = registrands(a, b, None, false, p)?;
         stage(closest_fit(&one, &two, p))?.map_or_else(Motion::default, |found| found.motion)
     };
     let points = a.decomposer.positions();

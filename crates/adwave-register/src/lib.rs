@@ -32,6 +32,6 @@ pub use register::{
 };
 pub use registrand::Registrand;
 pub use search::{SearchParams, SearchStarts};
-pub use shape_features::{DescribeError, ShapeFeatures, common_lengths, describe_shape};
+pub use shape_features::{DEFAULT_THETA, DescribeError, ShapeFeatures, common_lengths, describe_shape};
 pub use side::{Signs, SurfaceSides, lies_on_a_surface};
 pub use two_way_fit::TwoWayFit;

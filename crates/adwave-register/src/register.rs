@@ -3,6 +3,7 @@
 use crate::consensus::agreeing_pairs;
 use crate::registrand::RegistrandView;
 use crate::search::{FoundMotion, MotionSearch, SearchParams, SearchStarts, search_motions};
+use crate::shape_features::keys_of_view;
 use crate::two_way_fit::{precision, two_way_fit};
 use crate::{AlignParams, Motion, Pair, PairParams, Registrand, TwoWayFit, align, pairs_under};
 use adwave::{Cancelled, Progress};
@@ -11,8 +12,9 @@ use adwave::{Cancelled, Progress};
 const MIN_AGREEMENT: f64 = 0.65;
 /// Least information of a clear motion, in nats.
 const MIN_INFORMATION: f64 = 18.0;
-/// Number of features below which a motion may be clear without a pair of features: a machined part may have none.
-const FEW_FEATURES: usize = 6;
+/// Number of places at which a band is extremal below which a motion may be clear without a pair of them: a machined part
+/// may have none.
+const FEW_PLACES: usize = 6;
 /// Least ratio of the information of a clear motion to that of the best motion of the mirror image.
 const MIN_GAIN: f64 = 1.4;
 /// Largest conflict of a clear motion.
@@ -92,7 +94,7 @@ impl Registration {
     /// not clear.
     pub fn pairs(&self, first: &Registrand, second: &Registrand, sigmas: f64) -> Vec<Pair> {
         let Some(best) = self.clear() else { return Vec::new() };
-        let keys = first.features.keys_of_view(false, best.fit.is_flipped);
+        let keys = keys_of_view(&first.features.keys, false, best.fit.is_flipped);
         let precision = DISTANCE_DEVIATION * second.spacing;
         let params = PairParams { sigmas, confidence: CLEAR_CONFIDENCE, precision };
         let motions: Vec<Motion> =
@@ -142,14 +144,17 @@ pub fn register(
     }
     let Some((best, others)) = refined.split_first() else { return Ok(Registration::default()) };
     let null = chance.first();
-    let fewest = first.features.keys.len().min(second.features.keys.len());
-    let has_pairs = best.n_agreeing > 0 || fewest < FEW_FEATURES;
+    let [own, other] = [first, second].map(|side| &side.features.extremal_keys);
+    let has_pairs = own.len().min(other.len()) < FEW_PLACES || {
+        let own = keys_of_view(own, false, best.fit.is_flipped);
+        !agreeing_pairs(&own, other, &best.motion, 1.0).is_empty()
+    };
     let is_clear = has_pairs && is_clear(&best.fit, null.map(|found| &found.fit));
     let is_equal = |other: &&RegisteredMotion| is_clear && is_equal(&best.fit, &other.fit, second);
     let equal = others.iter().filter(is_equal).copied().collect();
     let n_by_chance = null.map_or(0, |found| {
         agreeing_pairs(
-            &first.features.keys_of_view(true, found.fit.is_flipped),
+            &keys_of_view(&first.features.keys, true, found.fit.is_flipped),
             &second.features.keys,
             &found.motion,
             1.0,
@@ -229,7 +234,7 @@ fn refine_best(
 /// Measures the fit of a motion.
 fn measure(view: &RegistrandView<'_>, target: &RegistrandView<'_>, motion: Motion) -> RegisteredMotion {
     let fit = two_way_fit(view, target, &motion, 1);
-    let keys = view.shape.features.keys_of_view(false, fit.is_flipped);
+    let keys = keys_of_view(&view.shape.features.keys, false, fit.is_flipped);
     let n_agreeing = agreeing_pairs(&keys, &target.shape.features.keys, &motion, 1.0).len();
     RegisteredMotion { motion, fit, n_agreeing }
 }

@@ -1,10 +1,10 @@
 //! Features of a shape with their descriptors, for matching.
 
 use crate::Key;
-use adwave::bands::{BandsError, Schedule, ScheduleError, Wavelets};
+use adwave::bands::{BandsError, BandsParams, Schedule, ScheduleError, Wavelets};
 use adwave::features::{
-    DESCRIPTOR_LENGTH, Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe,
-    features,
+    CoordinateFeatureError, DESCRIPTOR_LENGTH, Descriptor, Feature, FeatureError, FeatureParams, Refinement,
+    Response, ShapeCoordinates, coordinate_features, describe, features,
 };
 use adwave::shape::Shape;
 use adwave::signal::{OutwardError, OutwardNormals, outward_normals};
@@ -18,6 +18,9 @@ const MAX_RELATIVE_WIDTH: f64 = 0.08;
 const MIN_LEVELS: usize = 6;
 /// Relative accuracy of the bands, far below the differences between features.
 const ACCURACY: f64 = 1e-6;
+
+/// Least response of a feature, relative to the mean of its level, where significance does not apply.
+pub const DEFAULT_THETA: f64 = 1.0;
 
 /// Largest number of landmarks of a shape; the strongest are kept.
 const MAX_LANDMARKS: usize = 250;
@@ -46,6 +49,9 @@ pub enum DescribeError {
     /// The features cannot be computed.
     #[error(transparent)]
     Features(#[from] FeatureError),
+    /// The features of the coordinates cannot be computed.
+    #[error(transparent)]
+    Coordinates(#[from] CoordinateFeatureError),
     /// The normals do not fit the shape.
     #[error(transparent)]
     Outward(#[from] OutwardError),
@@ -60,6 +66,7 @@ impl ClassifiedError for DescribeError {
             Self::NoPositions | Self::NoExtent | Self::Schedule(_) => ErrorKind::Input,
             Self::Bands(e) => e.kind(),
             Self::Features(e) => e.kind(),
+            Self::Coordinates(e) => e.kind(),
             Self::Outward(e) => e.kind(),
             Self::Cancelled(e) => e.kind(),
         }
@@ -73,6 +80,9 @@ pub struct ShapeFeatures {
     pub features: Vec<Feature>,
     /// Keys for matching, in the same order.
     pub keys: Vec<Key>,
+    /// Keys of the places at which a band is extremal on the surface and over the levels, significant or not. A small
+    /// overlap may have no feature, but a motion that brings none of these places together is not believed.
+    pub(crate) extremal_keys: Vec<Key>,
     /// Descriptors of the surroundings, in the same order.
     pub descriptors: Vec<Descriptor>,
     /// Places at which a band is extremal on the surface, regardless of other levels. They outnumber the features, and
@@ -162,6 +172,7 @@ impl ShapeFeatures {
         Self {
             features: Vec::new(),
             keys: Vec::new(),
+            extremal_keys: Vec::new(),
             descriptors: Vec::new(),
             landmarks: Landmarks::default(),
             is_signed: outward.info.has_outside(),
@@ -170,15 +181,15 @@ impl ShapeFeatures {
             normals: Arc::new(outward.normals),
         }
     }
+}
 
-    /// Keys of the shape, of its mirror image at x = 0 if `is_mirrored`, with the other side outside if `is_flipped`.
-    pub(crate) fn keys_of_view(&self, is_mirrored: bool, is_flipped: bool) -> Vec<Key> {
-        let view = |key: &Key| {
-            let key = if is_mirrored { key.mirrored() } else { *key };
-            if is_flipped { key.flipped() } else { key }
-        };
-        self.keys.iter().map(view).collect()
-    }
+/// Keys of the mirror image at x = 0 if `is_mirrored`, with the other side outside if `is_flipped`.
+pub(crate) fn keys_of_view(keys: &[Key], is_mirrored: bool, is_flipped: bool) -> Vec<Key> {
+    let view = |key: &Key| {
+        let key = if is_mirrored { key.mirrored() } else { *key };
+        if is_flipped { key.flipped() } else { key }
+    };
+    keys.iter().map(view).collect()
 }
 
 /// Common widths σ of two shapes, in model units: half an octave apart, from the larger mean edge length to at least 8
@@ -203,9 +214,11 @@ pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64
 
 /// Finds and describes the features of the coordinates of a shape, at the widths `lengths` in model units.
 ///
-/// Features are extrema of `W_j·n / σ_j` along the outward normals n, or of `‖W_j‖ / σ_j` if the shape has no outside.
-/// Their response is at least `theta` times the mean, and their positions are interpolated between vertices and levels.
-/// `normals` are those stored in the file, three values per vertex, if any. O(n × levels).
+/// Without `theta` they are the significant features of the coordinates ([`coordinate_features`]) of a mesh or cloud that
+/// has an outside. With `theta`, or without an outside, they are extrema of `W_j·n / σ_j` along the outward normals n, or
+/// of `‖W_j‖ / σ_j`, whose response is at least `theta` times the mean, by default [`DEFAULT_THETA`]. Positions are
+/// interpolated between vertices and levels. `normals` are those stored in the file, three values per vertex, if any.
+/// O(n × levels).
 ///
 /// # Errors
 /// Returns a [`DescribeError`] if bands, normals or features cannot be computed.
@@ -213,7 +226,7 @@ pub fn describe_shape(
     decomposer: &Decomposer,
     normals: Option<&[f64]>,
     lengths: &[f64],
-    theta: f64,
+    theta: Option<f64>,
     progress: Progress<'_>,
 ) -> Result<ShapeFeatures, DescribeError> {
     let geometry = decomposer.geometry().ok_or(DescribeError::NoPositions)?;
@@ -222,21 +235,38 @@ pub fn describe_shape(
     let is_signed = outward.info.has_outside();
     let is_guessed = outward.info.n_by_majority > 0;
     let schedule = Schedule::lengths(lengths, decomposer.operator().step_length())?;
-    let request =
-        decomposer.request(points.as_flattened(), 3, &schedule).accuracy(ACCURACY).progress(progress);
+    let bands = BandsParams::default().with_accuracy(ACCURACY);
+    let request = decomposer.request(points.as_flattened(), 3, &schedule).params(&bands).progress(progress);
     let wavelets = if is_signed { request.normal_components(&outward.normals)? } else { request.norms()? };
-    let params = FeatureParams::default()
-        .with_theta(theta)
-        .with_response(Response::Sigma)
-        .with_refinement(Refinement::Quadratic);
-    let features = features(decomposer, &wavelets, &params, progress.quiet())?;
+    let significant = FeatureParams::default().with_refinement(Refinement::Quadratic);
+    let extremal = significant.with_theta(theta.unwrap_or(DEFAULT_THETA)).with_response(Response::Sigma);
+    let extremal = features(decomposer, &wavelets, &extremal, progress.quiet())?;
     let welded = geometry.vertex_map();
     let vertex_normal = |x: usize| if is_signed { outward.normals[welded.welded(x)] } else { [0.0; 3] };
-    let keys = features.iter().filter_map(|f| Key::new(f, vertex_normal(f.vertex))).collect();
-    let descriptors = describe(decomposer, &wavelets, &features);
+    let keys_of = |features: &[Feature]| -> Vec<Key> {
+        features.iter().filter_map(|f| Key::new(f, vertex_normal(f.vertex))).collect()
+    };
+    let extremal_keys = keys_of(&extremal);
+    let features = if theta.is_none() && is_signed && significant.finds_significant(decomposer) {
+        let coordinates = ShapeCoordinates { points, normals, schedule: &schedule, bands };
+        coordinate_features(decomposer, &coordinates, &significant, progress)?.features
+    } else {
+        extremal
+    };
+    let (keys, descriptors) = (keys_of(&features), describe(decomposer, &wavelets, &features));
     let landmarks = Landmarks::new(decomposer, &wavelets, vertex_normal);
     let (bands, normals) = (Some(Arc::new(wavelets)), Arc::new(outward.normals));
-    Ok(ShapeFeatures { features, keys, descriptors, landmarks, is_signed, is_guessed, bands, normals })
+    Ok(ShapeFeatures {
+        features,
+        keys,
+        extremal_keys,
+        descriptors,
+        landmarks,
+        is_signed,
+        is_guessed,
+        bands,
+        normals,
+    })
 }
 
 /// Number of values of each of the five levels of a descriptor: pairs of a positive and a negative part, and the

@@ -34,7 +34,7 @@ fn both(first: &Shape, second: &Shape) -> [Registrand; 2] {
     let decomposers = [prepared(first), prepared(second)];
     let lengths = common_lengths(&decomposers[0], &decomposers[1]).unwrap();
     decomposers.map(|decomposer| {
-        let found = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        let found = describe_shape(&decomposer, None, &lengths, None, Progress::none()).unwrap();
         Registrand::new(&decomposer, found, Progress::none()).unwrap().unwrap()
     })
 }

@@ -1,15 +1,18 @@
 //! Scalar fields at the vertices, shown as colors.
 
-use crate::prepared_shape::PreparedShape;
+use crate::prepared_shape::{PreparedShape, analysis_operator, build_decomposer};
 use crate::response::{
     ApiError, ApiResult, bytes_response_with_header, encode_f32, encode_rows, json_response,
 };
 use crate::session::Session;
-use adwave::Progress;
 use adwave::bands::BandsParams;
-use adwave::features::{Feature, FeatureParams, ShapeCoordinates, coordinate_features, features};
+use adwave::features::{
+    Feature, FeatureParams, ShapeCoordinates, coordinate_features, feature_extent, features,
+};
+use adwave::operator::OperatorKind;
 use adwave::saliency::saliency_f32;
 use adwave::signal::SurfaceSignal;
+use adwave::{LevelSpec, Progress};
 use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
 use serde_json::{Value, json};
 
@@ -193,43 +196,52 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
     saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }
 
-/// Features of the edited positions of a cloud.
-fn cloud_feature_list(
-    session: &Session,
-    prepared: &PreparedShape,
-    params: &FeatureParams,
+/// Features of a shape as `adwave features` finds them; with `theta` those of Algorithm 2 on a mesh.
+fn find_features(
+    file: &ShapeFile,
+    theta: Option<f64>,
+    progress: Progress<'_>,
 ) -> Result<Vec<Feature>, ApiError> {
-    let normals = adwave_io::file_normals(&session.file());
-    let coordinates = ShapeCoordinates {
-        points: &prepared.points,
-        normals: normals.as_deref(),
-        schedule: &prepared.schedule,
-        bands: BandsParams::default(),
-    };
-    let found = coordinate_features(&prepared.decomposer, &coordinates, params, Progress::none());
-    Ok(found.map_err(|e| ApiError::from_classified(&e))?.features)
-}
-
-/// Responds with the features of the edited positions.
-pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
-    let prepared = session.lock_prepared()?;
     let params = FeatureParams::default().with_theta(theta);
     params.check().map_err(|e| ApiError::from_classified(&e))?;
-    let list = if session.input.shape.is_cloud() {
-        cloud_feature_list(session, &prepared, &params)?
-    } else {
-        let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
-        let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
-        features(&prepared.decomposer, &norms, &params, Progress::none())
-            .map_err(|e| ApiError::from_classified(&e))?
+    let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
+    let kind = if theta.is_none() { analysis_operator(&shape) } else { OperatorKind::Walk };
+    let decomposer = build_decomposer(&shape, kind, progress)?;
+    let levels = LevelSpec::Default.resolve(&decomposer, feature_extent(&decomposer));
+    let schedule = levels.map_err(|e| ApiError::from_classified(&e))?.schedule;
+    let points = shape.points().unwrap_or_default();
+    if params.finds_significant(&decomposer) {
+        let normals = adwave_io::file_normals(file);
+        let bands = BandsParams::default().with_accuracy(decomposer.analysis_accuracy());
+        let coordinates =
+            ShapeCoordinates { points, normals: normals.as_deref(), schedule: &schedule, bands };
+        let found = coordinate_features(&decomposer, &coordinates, &params, progress);
+        return Ok(found.map_err(|e| ApiError::from_classified(&e))?.features);
+    }
+    let norms = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress).norms();
+    let norms = norms.map_err(|e| ApiError::from_classified(&e))?;
+    features(&decomposer, &norms, &params, progress).map_err(|e| ApiError::from_classified(&e))
+}
+
+/// Responds with the features of the edited shape. Their `level` is the band of the equalizer that is as wide.
+pub(crate) fn feature_response(session: &Session, theta: Option<f64>) -> ApiResult {
+    let (file, sigmas) = {
+        let prepared = session.lock_prepared()?;
+        (session.edited_file(&prepared)?, prepared.sigmas())
+    };
+    let list = find_features(&file, theta, session.progress())?;
+    let points = file.points();
+    let level = |sigma: f64| {
+        let away = |j: &usize| (sigma / sigmas[*j]).ln().abs();
+        1 + (0..sigmas.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
     };
     let center = session.center;
     let rows: Vec<_> = list
         .iter()
         .map(|f| {
-            let point = prepared.points[f.vertex];
+            let point = points[f.vertex];
             let position: [f64; 3] = std::array::from_fn(|c| point[c] - center[c]);
-            json!({"vertex": f.vertex, "position": position, "level": f.level, "sigma": f.sigma,
+            json!({"vertex": f.vertex, "position": position, "level": level(f.sigma), "sigma": f.sigma,
                 "strength": f.strength, "sign": f.sign()})
         })
         .collect();

@@ -144,6 +144,12 @@ struct EditedPoints {
     summary: EditSummary,
 }
 
+/// Operator of maps, features and reports of a shape that does not change while one looks at it: on a mesh heat on the
+/// surface, as in the commands.
+pub(crate) fn analysis_operator(shape: &Shape) -> OperatorKind {
+    LevelSpec::Default.analysis_task(shape).default_kind()
+}
+
 /// Builds the diffusion of a shape.
 pub(crate) fn build_decomposer(
     shape: &Shape,

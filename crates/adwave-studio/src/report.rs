@@ -1,11 +1,12 @@
 //! Reports of edited shapes, each at its own address.
 
 use crate::guard::generate_token;
+use crate::prepared_shape::{analysis_operator, build_decomposer};
 use crate::response::{ApiError, ApiResult, json_response};
 use crate::server::Studio;
 use crate::session::Session;
-use adwave::Decomposer;
-use adwave::bands::Schedule;
+use adwave::features::feature_extent;
+use adwave::{LevelSpec, ResolvedLevels};
 use adwave_io::{ShapeFile, file_normals};
 use adwave_report::shape_report::{COORDS, Subject, Viewpoint, shape_report};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
@@ -58,10 +59,11 @@ impl Reports {
 pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile) -> ApiResult {
     let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
     let points = shape.points().unwrap_or_default();
-    let decomposer = Decomposer::new(&shape);
-    let (n_levels, levels_reason) = decomposer.default_levels();
-    let schedule = Schedule::dyadic(n_levels).map_err(|e| ApiError::from_classified(&e))?;
     let progress = session.progress();
+    let decomposer = build_decomposer(&shape, analysis_operator(&shape), progress)?;
+    let levels = LevelSpec::Default.resolve(&decomposer, feature_extent(&decomposer));
+    let ResolvedLevels { schedule, reason: levels_reason } =
+        levels.map_err(|e| ApiError::from_classified(&e))?;
     let bands = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
     let bands = bands.map_err(|e| ApiError::from_classified(&e))?;
     let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();

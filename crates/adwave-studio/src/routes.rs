@@ -382,8 +382,7 @@ async fn send_features(
     Query(query): QueryParams,
 ) -> Response {
     with_shape(studio, id, move |session| {
-        let default = adwave::features::DEFAULT_THETA;
-        let theta = query.get("theta").map_or(Ok(default), |theta| theta.parse());
+        let theta = query.get("theta").map(|theta| theta.parse()).transpose();
         let theta = theta.map_err(|_| ApiError::bad_request("theta must be a number"))?;
         fields::feature_response(session, theta)
     })

@@ -216,7 +216,7 @@ class MatchResult(NamedTuple):
 class MatchOptions:
     """Options of matching, as the extension takes them."""
 
-    theta: float
+    theta: float | None
     within: float
     scaled: bool
 
@@ -225,7 +225,7 @@ def match(
     first: object,
     second: object,
     *,
-    theta: float = 1.0,
+    theta: float | None = None,
     within: float = 1.0,
     scaled: bool = False,
     operator: OperatorLike = None,
@@ -238,8 +238,9 @@ def match(
     first, second : shape_like
         Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects; or `Features` of both with descriptors,
         whose pairs of nearest descriptors are used, without the surfaces.
-    theta : float
-        Smallest response of a feature, in multiples of the mean response of its level.
+    theta : float, optional
+        Smallest response of a feature, in multiples of the mean response of its level. By default features are those that
+        stand out from what triangles, sampling and noise can cause (see `features`); 1 for a surface without an outside.
     within : float
         Largest distance of a pair, in rms widths of its level.
     scaled : bool

@@ -35,8 +35,7 @@ pub(crate) fn operator_for_analysis(
     levels: &LevelArgs,
     shape: &Shape,
 ) -> Result<OperatorParams, CliError> {
-    let levels = levels.to_spec().operator_task();
-    operator_for_task(args, if shape.is_mesh() { OperatorTask::Analysis } else { levels })
+    operator_for_task(args, levels.to_spec().analysis_task(shape))
 }
 
 /// Parameters of the diffusion operator for levels.

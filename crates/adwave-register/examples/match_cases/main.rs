@@ -171,7 +171,7 @@ fn run(kind: &'static str, seed: u64, case: &Case) -> Option<Outcome> {
         .map(|surface| Decomposer::with_params(&surface.shape(), &params, Progress::none()).unwrap());
     let lengths = common_lengths(&decomposers[0], &decomposers[1]).unwrap();
     let [a, b] = decomposers.map(|decomposer| {
-        let features = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        let features = describe_shape(&decomposer, None, &lengths, None, Progress::none()).unwrap();
         Registrand::new(&decomposer, features, Progress::none()).unwrap().unwrap()
     });
     let found = register(&a, &b, &SearchParams::default(), Progress::none()).unwrap();

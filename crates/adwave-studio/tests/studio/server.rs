@@ -1,8 +1,10 @@
 //! Responses to the page compared with the library; saved files compared with a replay of the recipe.
 
 use crate::client::{Studio, opened};
-use adwave::bands::Schedule;
+use adwave::bands::{BandsParams, Schedule};
+use adwave::features::{FeatureParams, ShapeCoordinates, coordinate_features, feature_extent};
 use adwave::filter::Edit;
+use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::constrain_positions;
 use adwave::region::Region;
 use adwave::sample::Sample;
@@ -180,6 +182,36 @@ fn an_edit_is_there_again_on_the_next_visit() {
     creature(&folder, 2500);
     let other = Studio::on(&path, &kept);
     assert_eq!(other.get("/api/shapes/1").json()["resumed"], false);
+}
+
+#[test]
+fn features_without_a_threshold_are_the_significant_ones_of_the_surface() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let studio = Studio::on(&path, folder.path());
+    let found = studio.get("/api/shapes/1/features").json();
+    let bands = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let file = opened(&path).file;
+    let shape = file.to_shape_as(file.kind()).unwrap();
+    let surface = OperatorParams::default().with_kind(OperatorKind::Surface);
+    let decomposer = Decomposer::with_params(&shape, &surface, Progress::none()).unwrap();
+    let levels = LevelSpec::Default.resolve(&decomposer, feature_extent(&decomposer)).unwrap();
+    let coordinates = ShapeCoordinates {
+        points: file.points(),
+        normals: None,
+        schedule: &levels.schedule,
+        bands: BandsParams::default().with_accuracy(decomposer.analysis_accuracy()),
+    };
+    let params = FeatureParams::default();
+    let expected =
+        coordinate_features(&decomposer, &coordinates, &params, Progress::none()).unwrap().features;
+    let found = found.as_array().unwrap();
+    assert!(expected.len() > 5 && found.len() == expected.len(), "{} {}", found.len(), expected.len());
+    for (feature, expected) in found.iter().zip(&expected) {
+        assert_eq!(feature["vertex"], expected.vertex);
+        assert_eq!(feature["sigma"], expected.sigma);
+        assert!((1..=bands as u64).contains(&feature["level"].as_u64().unwrap()));
+    }
 }
 
 #[test]

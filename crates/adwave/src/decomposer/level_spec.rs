@@ -4,6 +4,7 @@ use super::Decomposer;
 use crate::bands::{DEFAULT_EXTENT, FWHM, Schedule, ScheduleError};
 use crate::operator::OperatorTask;
 use crate::region::Length;
+use crate::shape::Shape;
 use crate::{ClassifiedError, ErrorKind};
 use std::fmt;
 use std::str::FromStr;
@@ -94,6 +95,12 @@ impl LevelSpec {
     /// The task that decides which operator goes with these levels if none is asked for.
     pub fn operator_task(&self) -> OperatorTask {
         if self.is_by_width() { OperatorTask::WidthLevels } else { OperatorTask::StepLevels }
+    }
+
+    /// The task that decides which operator goes with these levels for a map or features of a shape if none is asked
+    /// for: on a mesh the surface decides, not its triangles.
+    pub fn analysis_task(&self, shape: &Shape) -> OperatorTask {
+        if shape.is_mesh() { OperatorTask::Analysis } else { self.operator_task() }
     }
 
     /// Refuses levels that no shape can have.

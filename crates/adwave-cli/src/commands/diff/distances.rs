@@ -376,7 +376,7 @@ fn fit_from_anywhere(
     let described = |k: usize| {
         let normals = file_normals(&inputs[k].file);
         let features = with_progress(global, "finding features", |progress| {
-            describe_shape(decomposers[k], normals.as_deref(), &lengths, 1.0, progress)
+            describe_shape(decomposers[k], normals.as_deref(), &lengths, None, progress)
         })
         .map_err(|e| CliError::classify(&e))?;
         registrand(inputs[k], decomposers[k], features, global)

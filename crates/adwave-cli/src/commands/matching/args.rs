@@ -44,9 +44,10 @@ pub(crate) struct MatchArgs {
     /// Largest distance between the features of a pair after the motion, in σ
     #[arg(long, value_name = "S", value_parser = number, default_value_t = PairParams::default().sigmas, help_heading = "Matching")]
     pub(crate) within: f64,
-    /// Least response of a feature, relative to the mean response of its level
-    #[arg(long, value_name = "T", value_parser = number, default_value_t = 1.0, help_heading = "Matching")]
-    pub(crate) theta: f64,
+    /// Take features whose response is at least T times the mean of their level [default: those that stand out from
+    /// what triangles, sampling and noise can cause; 1 for a surface without an outside]
+    #[arg(long, value_name = "T", value_parser = number, help_heading = "Matching")]
+    pub(crate) theta: Option<f64>,
     /// With --motion none: largest ratio of the descriptor distance of a pair to that of the second nearest
     #[arg(long, value_name = "R", value_parser = number, default_value_t = 0.9, help_heading = "Matching")]
     pub(crate) ratio: f64,

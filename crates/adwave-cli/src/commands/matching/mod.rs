@@ -19,8 +19,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorTask;
 use adwave_io::MovedNormals;
 use adwave_register::{
-    Motion, Pair, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures, common_lengths,
-    describe_shape, descriptor_pairs, register,
+    DEFAULT_THETA, Motion, Pair, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures,
+    common_lengths, describe_shape, descriptor_pairs, register,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -126,7 +126,9 @@ fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     } else {
         global.given.refuse(&["--ratio"], "applies to --motion none")?;
     }
-    for (name, value) in [("--within", args.within), ("--theta", args.theta), ("--ratio", args.ratio)] {
+    for (name, value) in
+        [("--within", args.within), ("--theta", args.theta.unwrap_or(DEFAULT_THETA)), ("--ratio", args.ratio)]
+    {
         if !(value.is_finite() && value > 0.0) {
             return Err(CliError::Input(format!("{name} must be a number above 0, got {value}")));
         }
@@ -243,20 +245,23 @@ fn motion_text(motion: &Motion) -> String {
 fn describe_none(args: &MatchArgs, first: &Side, second: &Side) -> String {
     let fewest = first.features().keys.len().min(second.features().keys.len());
     let ratio = second.decomposer.extent() / first.decomposer.extent();
-    if fewest < 3 {
-        return format!(
-            "no motion: {}, too few to tell one motion from another, as on a ball or a mesh of few vertices\n",
-            count(fewest, "feature", "features")
-        );
-    }
-    let reason = "no motion fits better than the best motion of the mirror image: the shapes differ, or share less \
-                  than a quarter of their surface";
+    let has_few = fewest < 3;
+    let reason = if has_few {
+        let found = count(fewest, "feature", "features");
+        format!("no motion: {found}, too few to tell one motion from another")
+    } else {
+        "no motion fits better than the best motion of the mirror image: the shapes differ, or share less than a \
+         quarter of their surface"
+            .to_owned()
+    };
     if args.motion == MotionArg::Rigid && !(1.0 / UNIT_RATIO..=UNIT_RATIO).contains(&ratio) {
         format!(
             "{reason}; {} is {} times as large, so that --motion similarity may apply\n",
             second.input.name,
             number(ratio)
         )
+    } else if has_few {
+        format!("{reason}, as on a ball or a mesh of few vertices\n")
     } else {
         format!("{reason}; --motion none pairs features without a motion, for bent shapes\n")
     }
