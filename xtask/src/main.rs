@@ -189,7 +189,7 @@ fn test() -> StepResult {
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
-    cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
+    cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
     // One core each: broken input beside the tests of the package, most of which are serial.
