@@ -182,7 +182,8 @@ impl DenoiseChoice {
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
         let near = cloud::NearestRows::new(points, neighbors, progress)?;
-        let noise = cloud::CloudNoise::new(points, &near, self.params.noise, progress)?;
+        let strong = self.info.cloud.as_ref().and_then(|found| found.strong.as_ref());
+        let noise = cloud::CloudNoise::new(points, &near, self.params.noise, strong, progress)?;
         Ok(cloud::denoise_points(points, &near, &noise, self.info.noise, &self.params, progress)?.points)
     }
 

@@ -34,6 +34,7 @@ pub use error::DenoiseError;
 pub use noise_model::NoiseModel;
 pub use params::{
     CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers, SharedNoise,
+    StrongNoise,
 };
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
@@ -191,9 +192,15 @@ fn denoise_cloud(
     let near = geometry.nearest(&points, cloud::NEIGHBORS, progress)?;
     let near = cloud::NearestRows::new(&points, &near.adjacency, progress)?;
     progress.step(1, STAGES)?;
-    let noise = cloud::CloudNoise::new(&points, &near, params.noise.map(|s| s / unit), progress)?;
+    let given = params.noise.map(|s| s / unit);
+    let strong = match given {
+        Some(_) => None,
+        None => cloud::strong_noise(&points, &near, progress)?,
+    };
+    let noise = cloud::CloudNoise::new(&points, &near, given, strong.as_ref(), progress)?;
     progress.step(2, STAGES)?;
-    let found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
+    let mut found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
+    found.info.strong = strong;
     progress.step(4, STAGES)?;
     let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
     let map = geometry.vertex_map();

@@ -274,6 +274,28 @@ pub struct CloudDenoising {
     pub rounding: f64,
     /// Mean distance to the nearest neighbor, before and after.
     pub nearest_distance: [f64; 2],
+    /// Noise larger than about half the distance of the points, if most places have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strong: Option<StrongNoise>,
+}
+
+/// Noise of a cloud that is larger than about half the distance of its points. Lengths are in model units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StrongNoise {
+    /// Median of the standard deviation.
+    pub noise: f64,
+    /// Lower quartile of the standard deviation, which is assumed where it is not found.
+    pub at_least: f64,
+    /// Number of neighbors that are needed to see it; the fits have up to four times as many.
+    pub neighbors: usize,
+}
+
+impl StrongNoise {
+    /// Scales all lengths.
+    #[must_use]
+    fn in_units(self, unit: f64) -> Self {
+        Self { noise: self.noise * unit, at_least: self.at_least * unit, ..self }
+    }
 }
 
 impl CloudDenoising {
@@ -284,6 +306,7 @@ impl CloudDenoising {
             noise_range: self.noise_range.map(|s| s * unit),
             rounding: self.rounding * unit,
             nearest_distance: self.nearest_distance.map(|d| d * unit),
+            strong: self.strong.map(|strong| strong.in_units(unit)),
             ..self
         }
     }

@@ -49,7 +49,7 @@ impl FitFrame {
 }
 
 /// Eigenvectors of a symmetric matrix by Jacobi's rotations.
-fn principal_axes(mut a: [[f64; 3]; 3]) -> FitFrame {
+pub(super) fn principal_axes(mut a: [[f64; 3]; 3]) -> FitFrame {
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
@@ -108,7 +108,7 @@ fn gauss(height: f64, width: f64) -> f64 {
 }
 
 /// Plane (3) or quadric (6 coefficients).
-fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
+pub(super) fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
     let all = [1.0, u, v, u * u, u * v, v * v];
     std::array::from_fn(|k| all[k])
 }
@@ -218,7 +218,7 @@ impl HeightFit {
 }
 
 /// Cholesky's factor in the lower triangle; false if the matrix is not safely positive definite.
-fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
+pub(super) fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
     let least = LEAST_PIVOT * (0..N).map(|i| a[i][i]).sum::<f64>();
     for i in 0..N {
         for j in 0..=i {
@@ -235,7 +235,7 @@ fn factorize<const N: usize>(a: &mut [[f64; N]; N]) -> bool {
     true
 }
 
-fn substitute<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N]) -> [f64; N] {
+pub(super) fn substitute<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N]) -> [f64; N] {
     for i in 0..N {
         let s = x[i] - (0..i).map(|k| l[i][k] * x[k]).sum::<f64>();
         x[i] = s / l[i][i];

@@ -6,18 +6,23 @@
 //! a second sheet nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h,
 //! `d² + 2σ²h − σ²` is an unbiased estimate of its squared error (`stein1981`). The mean of this estimate over the
 //! neighbors decides the share of each fit, and the share of leaving the point where it is.
+//!
+//! Noise larger than about half the distance of the points needs wider fits: see [`patches`].
 
 mod fit;
 mod noise;
+mod patches;
 
 use super::noise_level::median;
-use super::params::{CloudDenoising, Outliers};
+use super::params::{CloudDenoising, Outliers, StrongNoise};
 use super::{Creases, DenoiseParams};
 use crate::shape::Adjacency;
 use crate::vector::{Vector, add_scaled, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use fit::{FitFrame, HeightFit, Heights, RobustReach};
 use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
+use patches::Patches;
+pub(in crate::denoise) use patches::strong_noise;
 
 /// Number of nearest neighbors that fits use.
 pub(super) const NEIGHBORS: usize = 48;
@@ -28,10 +33,11 @@ const UNIT_NEIGHBORS: usize = 12;
 /// Number of neighbors of the smaller fits.
 const FEW_NEIGHBORS: usize = 24;
 
-/// Number of rings of neighbors that determine the result of a point: one for its fit, one for the risks, six for the
-/// noise there (residuals, their quantiles, a mean and three rounds of smoothing), and one for the neighbors of the
-/// fits in these.
-pub(super) const REACH: usize = 9;
+/// Number of rings of neighbors that determine the result of a point. Patches need most: five to the center of a patch,
+/// five to the others around it, and six to their points and the rows of these. The other fits need nine: one for the
+/// fit, one for the risks, six for the noise there (residuals, their quantiles, a mean and three rounds of smoothing),
+/// and one for the neighbors of the fits in these.
+pub(super) const REACH: usize = 16;
 
 /// Width of the weights of a fit, in distances to its last neighbor.
 const WIDTH: f64 = 0.6;
@@ -149,26 +155,35 @@ pub(super) struct CloudNoise {
     /// Standard deviation that the fits assume at each point: the noise divided by [`CAUTION`].
     pub(super) by_point: Vec<f64>,
     residuals: Vec<Residuals>,
+    /// Fits where the noise is strong, if it is anywhere.
+    patches: Option<Patches>,
     /// Median of the noise.
     pub(super) typical: f64,
 }
 
 impl CloudNoise {
-    /// Estimates the noise, unless it is given.
+    /// Estimates the noise, unless it is given; `strong` is what [`strong_noise`] found in the whole cloud.
     pub(super) fn new(
         points: &[Vector],
         near: &NearestRows,
         given: Option<f64>,
+        strong: Option<&StrongNoise>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let residuals = fit_residuals(points, near, progress)?;
-        let by_point = match given {
+        let mut by_point = match given {
             Some(noise) => vec![noise / CAUTION; points.len()],
             None => noise_by_place(points, near, &residuals, progress)?,
         };
+        let patches = strong.map(|strong| Patches::new(points, near, strong, progress)).transpose()?;
+        if let (Some(patches), Some(strong)) = (&patches, strong) {
+            for (level, &noise) in by_point.iter_mut().zip(&patches.noise) {
+                *level = if noise > 0.0 { noise / CAUTION } else { level.max(strong.at_least / CAUTION) };
+            }
+        }
         let mut known: Vec<f64> =
             (0..points.len()).filter(|&x| !near.row(x).is_empty()).map(|x| by_point[x]).collect();
-        Ok(Self { typical: CAUTION * median(&mut known), by_point, residuals })
+        Ok(Self { typical: CAUTION * median(&mut known), by_point, residuals, patches })
     }
 }
 
@@ -219,7 +234,16 @@ pub(super) fn denoise_points(
     params: &DenoiseParams,
     progress: Progress<'_>,
 ) -> Result<CloudResult, Cancelled> {
+    let is_patched = |x: usize| noise.patches.as_ref().is_some_and(|patches| patches.noise[x] > 0.0);
+    let mut is_needed = vec![noise.patches.is_none(); points.len()];
+    for x in (0..points.len()).filter(|&x| noise.patches.is_some() && !is_patched(x)) {
+        is_needed[x] = true;
+        near.row(x).iter().for_each(|&y| is_needed[y as usize] = true);
+    }
     let fits = parallel::try_collect(points.len(), progress, |x| {
+        if !is_needed[x] {
+            return PointFits::default();
+        }
         point_fits(
             points,
             near,
@@ -236,6 +260,9 @@ pub(super) fn denoise_points(
                 Outliers::Keep | Outliers::Drop => [0.0; 3],
             };
             return (motion, PointState::Outlier, 1.0);
+        }
+        if let Some(patches) = noise.patches.as_ref().filter(|_| is_patched(x)) {
+            return (patches.motions[x].map(|c| c * params.strength.min(1.0)), PointState::Moved, 0.0);
         }
         mixed_motion(near, &fits, noise, params.strength, x)
     })?;
@@ -257,6 +284,7 @@ pub(super) fn denoise_points(
         nearest_distance: [nearest(points)?, nearest(&moved)?],
         rounding: rounding_step(points),
         outliers: params.outliers,
+        strong: None,
     };
     let kept = outcomes.iter().map(|o| o.2).sum::<f64>() / outcomes.len().max(1) as f64;
     Ok(CloudResult { points: moved, outliers, info, kept })

@@ -165,3 +165,42 @@ fn coordinates_are_rounded_only_if_they_are_along_every_axis() {
     assert_eq!(found(grid(&|z| z)), 0.0);
     assert!((found(grid(&|z| (z / 0.01).round() * 0.01)) - 0.01).abs() < 1e-9);
 }
+
+/// Random points of a unit sphere with noise along the normals, in mean distances of the points, and that distance.
+fn sphere(n: usize, noise: f64, random: &mut Deviates) -> (Vec<[f64; 3]>, f64) {
+    let spacing = (4.0 * std::f64::consts::PI / n as f64).sqrt();
+    let mut point = || {
+        let p: [f64; 3] = std::array::from_fn(|_| random.normal());
+        let radius = 1.0 + noise * spacing * random.normal();
+        p.map(|c| c * radius / p.iter().map(|c| c * c).sum::<f64>().sqrt())
+    };
+    ((0..n).map(|_| point()).collect(), spacing)
+}
+
+#[test]
+fn noise_larger_than_the_distance_of_points_is_found_and_removed() {
+    for (n, noise) in [(3000, 1.0), (10_000, 1.0), (10_000, 2.0), (10_000, 3.0), (20_000, 0.8)] {
+        let (points, spacing) = sphere(n, noise, &mut Deviates(13));
+        let result = denoised(&cloud(points), &defaults());
+        let found = result.info.noise / (noise * spacing);
+        let off = |p: &[f64; 3]| (p.iter().map(|c| c * c).sum::<f64>().sqrt() - 1.0).powi(2);
+        let left = (result.points.iter().map(off).sum::<f64>() / n as f64).sqrt() / (noise * spacing);
+        println!("{n}, {noise}: found {found}, left {left}");
+        assert!((0.85..1.18).contains(&found), "{n}, {noise}: {found}");
+        assert!(left < 0.25, "{n}, {noise}: {left}");
+        assert_eq!(result.info.n_far, 0);
+    }
+}
+
+#[test]
+fn thin_walls_are_not_taken_for_strong_noise() {
+    for gap in [1.5, 2.0, 3.0, 4.5, 6.0] {
+        for noise in [0.05, 0.1, 0.4] {
+            let mut random = Deviates(17);
+            let walls = [sheet(50, 0.0, noise, &mut random), sheet(50, gap, noise, &mut random)].concat();
+            let info = denoised(&cloud(walls), &defaults()).info;
+            assert_eq!(info.cloud.unwrap().strong, None, "{gap}, {noise}");
+            assert!(info.noise < 1.2 * noise.max(0.4), "{gap}, {noise}: {}", info.noise);
+        }
+    }
+}

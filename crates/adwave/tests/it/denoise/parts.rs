@@ -114,21 +114,43 @@ fn pattern(rows: &[Vec<u32>], part: Range<usize>) -> Pattern {
     Pattern::new(offsets, columns, part.len()).unwrap()
 }
 
+/// Heights of normal deviates of one distance between neighbors.
+fn strongly_noisy_strip() -> Vec<[f64; 3]> {
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let point = |i: usize| {
+        let height = (0..12).map(|_| random()).sum();
+        [(i / ACROSS) as f64 + random(), (i % ACROSS) as f64 + random(), height]
+    };
+    (0..ACROSS * ALONG).map(point).collect()
+}
+
 #[test]
 fn a_part_of_a_cloud_is_denoised_as_the_whole() {
-    // A point may name one six columns on.
-    const REACH: usize = 6;
-    let points = strip();
+    check_cloud(strip(), &[params(Creases::Auto), DenoiseParams::default()], 6, false);
+}
+
+#[test]
+fn a_part_of_a_cloud_with_strong_noise_is_denoised_as_the_whole() {
+    check_cloud(strongly_noisy_strip(), &[DenoiseParams::default()], 8, true);
+}
+
+/// Checks that a part has the bits of the whole; a point may name one `reach` columns on.
+fn check_cloud(points: Vec<[f64; 3]>, params: &[DenoiseParams], reach: usize, is_strong: bool) {
     let geometry = {
         let shape = Shape::Cloud(PointCloud::new(points.clone()).unwrap());
         PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap()
     };
-    for params in [params(Creases::Auto), DenoiseParams::default()] {
-        let choice = DenoiseChoice::estimate(&geometry, &params, Progress::none()).unwrap();
+    for params in params {
+        let choice = DenoiseChoice::estimate(&geometry, params, Progress::none()).unwrap();
+        assert_eq!(choice.info.cloud.as_ref().unwrap().strong.is_some(), is_strong);
         let rows = neighbors(&points);
         let whole =
             choice.denoise_cloud(&points, &pattern(&rows, 0..points.len()), Progress::none()).unwrap();
-        let rings = REACH * DenoiseChoice::CLOUD_REACH;
+        let rings = reach * DenoiseChoice::CLOUD_REACH;
         let first = OWN.start - rings;
         let part = first * ACROSS..(OWN.end + rings) * ACROSS;
         let found = choice
@@ -136,7 +158,7 @@ fn a_part_of_a_cloud_is_denoised_as_the_whole() {
             .unwrap();
         let (own, n) = ((OWN.start - first) * ACROSS, OWN.len() * ACROSS);
         assert!(found[own..][..n] == whole[OWN.start * ACROSS..][..n]);
-        let in_memory = denoise(&geometry, &params, Progress::none()).unwrap();
+        let in_memory = denoise(&geometry, params, Progress::none()).unwrap();
         let (off, moved) = (rms(&whole, &in_memory.points), rms(&points, &in_memory.points));
         assert!(moved > 0.02 && off < 1e-9 * moved, "{off:e} of {moved:e}");
     }
