@@ -12,6 +12,7 @@
 //! (eq. 10) |
 //! | heat on the surface instead of that walk, for bands independent of the mesh | [`operator::surface_diffusion`],
 //! [`laplacian`] | |
+//! | images and volumes, with heat of any width at one cost | [`grid`] | |
 //! | n steps by √n products with Φ₁ | [`sparse`], [`bands::Transform`] | |
 //! | levels and their numbers of steps | [`bands::Schedule`] | |
 //! | scaling functions and wavelets as matrices, Φ_j and Ψ_j | [`basis`](mod@basis) | (eq. 3) (eq. 6) to (eq. 9), Algorithm 1 |
@@ -61,6 +62,7 @@ mod editor;
 mod error;
 pub mod features;
 pub mod filter;
+pub mod grid;
 pub mod laplacian;
 pub mod local_fit;
 pub mod mask;

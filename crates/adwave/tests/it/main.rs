@@ -16,6 +16,7 @@ mod face_fields;
 mod filters;
 mod frame;
 mod given_normals;
+mod grids;
 mod laws;
 mod local_fit;
 mod own_domain;

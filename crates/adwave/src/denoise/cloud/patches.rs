@@ -101,7 +101,9 @@ impl Search {
         self.next.clear();
         self.found.clear();
         self.at = at;
-        from.iter().for_each(|&y| self.offer(points, y));
+        for &y in from {
+            self.offer(points, y);
+        }
     }
 
     fn offer(&mut self, points: &[Vector], y: u32) {
@@ -427,7 +429,7 @@ fn part_motions(
         let p = &points[y as usize];
         let motion = center.sizes.fits[size].motion(p);
         let share = 1.0 - square(&add_scaled(p, 1.0, &motion)) / radius;
-        (share > 0.0).then(|| (y as usize, share * share, motion, noise))
+        (share > 0.0).then_some((y as usize, share * share, motion, noise))
     };
     members.iter().filter_map(one).collect()
 }

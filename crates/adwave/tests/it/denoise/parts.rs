@@ -130,26 +130,25 @@ fn strongly_noisy_strip() -> Vec<[f64; 3]> {
 
 #[test]
 fn a_part_of_a_cloud_is_denoised_as_the_whole() {
-    check_cloud(strip(), &[params(Creases::Auto), DenoiseParams::default()], 6, false);
+    check_cloud(&strip(), &[params(Creases::Auto), DenoiseParams::default()], 6, false);
 }
 
 #[test]
 fn a_part_of_a_cloud_with_strong_noise_is_denoised_as_the_whole() {
-    check_cloud(strongly_noisy_strip(), &[DenoiseParams::default()], 8, true);
+    check_cloud(&strongly_noisy_strip(), &[DenoiseParams::default()], 8, true);
 }
 
 /// Checks that a part has the bits of the whole; a point may name one `reach` columns on.
-fn check_cloud(points: Vec<[f64; 3]>, params: &[DenoiseParams], reach: usize, is_strong: bool) {
+fn check_cloud(points: &[[f64; 3]], params: &[DenoiseParams], reach: usize, is_strong: bool) {
     let geometry = {
-        let shape = Shape::Cloud(PointCloud::new(points.clone()).unwrap());
+        let shape = Shape::Cloud(PointCloud::new(points.to_vec()).unwrap());
         PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap()
     };
     for params in params {
         let choice = DenoiseChoice::estimate(&geometry, params, Progress::none()).unwrap();
         assert_eq!(choice.info.cloud.as_ref().unwrap().strong.is_some(), is_strong);
-        let rows = neighbors(&points);
-        let whole =
-            choice.denoise_cloud(&points, &pattern(&rows, 0..points.len()), Progress::none()).unwrap();
+        let rows = neighbors(points);
+        let whole = choice.denoise_cloud(points, &pattern(&rows, 0..points.len()), Progress::none()).unwrap();
         let rings = reach * DenoiseChoice::CLOUD_REACH;
         let first = OWN.start - rings;
         let part = first * ACROSS..(OWN.end + rings) * ACROSS;
@@ -159,7 +158,7 @@ fn check_cloud(points: Vec<[f64; 3]>, params: &[DenoiseParams], reach: usize, is
         let (own, n) = ((OWN.start - first) * ACROSS, OWN.len() * ACROSS);
         assert!(found[own..][..n] == whole[OWN.start * ACROSS..][..n]);
         let in_memory = denoise(&geometry, params, Progress::none()).unwrap();
-        let (off, moved) = (rms(&whole, &in_memory.points), rms(&points, &in_memory.points));
+        let (off, moved) = (rms(&whole, &in_memory.points), rms(points, &in_memory.points));
         assert!(moved > 0.02 && off < 1e-9 * moved, "{off:e} of {moved:e}");
     }
 }
