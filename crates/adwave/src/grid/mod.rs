@@ -243,6 +243,9 @@ impl Domain for Grid {
     }
 
     fn extent(&self, masked: Option<&[bool]>) -> f64 {
+        if self.kept.is_none() && masked.is_none() {
+            return self.diagonal();
+        }
         let is_part = |place: usize| self.is_kept(place) && masked.is_none_or(|masked| !masked[place]);
         let square = |axis: usize| {
             let at = (0..self.n_places())

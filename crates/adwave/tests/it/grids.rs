@@ -90,6 +90,47 @@ fn waves_are_eigenvectors_at_any_width() {
 }
 
 #[test]
+fn the_bound_holds_for_any_number_of_steps() {
+    let n = 600;
+    let values = noise(n, 19);
+    let angle = |k: usize| PI * k as f64 / n as f64;
+    for periodic in [false, true] {
+        let grid = Grid::new(&[n], &[1.0]).unwrap().with_periodic(&[periodic]).unwrap();
+        // The coefficients of the eigenvectors, by their definition.
+        let wave = |k: usize, i: usize| match (periodic, k % 2) {
+            (false, _) => (angle(k) * (i as f64 + 0.5)).cos(),
+            (true, 1) if k + 1 == n => (PI * i as f64).cos(),
+            (true, 0) => (angle(k) * i as f64).cos(),
+            (true, _) => (angle(k + 1) * i as f64).sin(),
+        };
+        let frequency = |k: usize| angle(if periodic && k % 2 == 1 { k + 1 } else { k });
+        let spectrum: Vec<(f64, f64)> = (0..n)
+            .map(|k| {
+                let square: f64 = (0..n).map(|i| wave(k, i).powi(2)).sum();
+                let product: f64 = (0..n).map(|i| wave(k, i) * values[i]).sum();
+                (frequency(k), product / square)
+            })
+            .collect();
+        for n_steps in [1.0, 1e3, 1e5, 1e8, 1e12] {
+            let part = |i: usize| {
+                let term = |(k, (a, c)): (usize, &(f64, f64))| {
+                    c * (-0.25 * n_steps * (2.0 - 2.0 * a.cos())).exp() * wave(k, i)
+                };
+                spectrum.iter().enumerate().map(term).sum::<f64>()
+            };
+            let wanted: Vec<f64> = (0..n).map(part).collect();
+            let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+            for accuracy in [1e-6, 1e-11] {
+                let (found, error) = heat(&grid, n_steps, &values, accuracy);
+                let off = norm(&mut found.iter().zip(&wanted).map(|(a, b)| a - b));
+                let off = off / norm(&mut values.iter().copied());
+                assert!(off <= error, "{n_steps:e} steps: {off:e} of {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_spot_spreads_by_its_variance_and_keeps_its_sum_and_sign() {
     let (size, spacing) = ([41, 61], [1.5, 1.0]);
     let grid = Grid::new(&size, &spacing).unwrap();
