@@ -174,6 +174,25 @@ pub enum WriteError {
         /// Content that cannot be stored.
         what: String,
     },
+    /// A value is beyond the numbers of an image or a volume.
+    #[error(
+        "the value {value} at place {place} does not fit the {kind} numbers of the {format} file, which are from {low} to \
+         {high}; write another type of number, such as f32"
+    )]
+    Misfit {
+        /// Format of the file.
+        format: crate::Format,
+        /// The value.
+        value: f64,
+        /// Place, counted from 0, and channel if there are several.
+        place: String,
+        /// Name of the type of number.
+        kind: &'static str,
+        /// Least value that fits.
+        low: f64,
+        /// Greatest value that fits.
+        high: f64,
+    },
     /// The format is read-only.
     #[error("{format} is read-only and cannot store the content; choose another format")]
     ReadOnly {
@@ -210,6 +229,7 @@ impl ClassifiedError for WriteError {
             Self::NoFolder { .. } => ErrorKind::Machine,
             Self::UnknownFormat { .. }
             | Self::CannotHold { .. }
+            | Self::Misfit { .. }
             | Self::ReadOnly { .. }
             | Self::ArrayShape { .. } => ErrorKind::Input,
         }

@@ -31,7 +31,7 @@
 //! # Features
 //!
 //! OBJ, PLY, STL, OFF, rows of numbers (XYZ, PTS, CSV) and NPY are always there. The other formats belong to features,
-//! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and
+//! all of them default: `grid`, `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and
 //! `texture` for colors of pictures.
 
 // Headers are a few lines of text; `write!` into a string would return an error that cannot occur.
@@ -104,6 +104,7 @@ pub use mesh_stream::{MeshReader, VertexColumn, VertexEdit, rewrite_mesh};
 pub use model::face_cells::FaceCells;
 pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;
+pub use model::grid_layout::{GRID_VALUES, GridLayout};
 pub use model::moved_attributes::{MovedAttributes, MovedNormals};
 pub use model::partial::FileRows;
 pub use model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};

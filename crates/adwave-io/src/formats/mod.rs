@@ -31,6 +31,8 @@ pub(crate) mod medit;
 pub(crate) mod msh;
 #[cfg(feature = "graph")]
 pub(crate) mod mtx;
+#[cfg(feature = "grid")]
+pub(crate) mod nifti;
 pub(crate) mod npy;
 pub(crate) mod obj;
 pub(crate) mod off;
@@ -120,6 +122,8 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &graph::GRAPHML,
     #[cfg(feature = "more")]
     &geomview::GEOMVIEW,
+    #[cfg(feature = "grid")]
+    &nifti::NIFTI,
     #[cfg(feature = "neuro")]
     &cifti::CIFTI,
     #[cfg(feature = "neuro")]

@@ -71,6 +71,22 @@ impl ValueType {
         }
     }
 
+    /// Name of the type: `u8`, `f32`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "u8",
+            Self::I8 => "i8",
+            Self::U16 => "u16",
+            Self::I16 => "i16",
+            Self::U32 => "u32",
+            Self::I32 => "i32",
+            Self::U64 => "u64",
+            Self::I64 => "i64",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+
     /// True for integer types.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)

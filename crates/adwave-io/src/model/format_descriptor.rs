@@ -19,6 +19,8 @@ pub(crate) enum ContentKind {
     Cloud,
     /// Edges, with or without points.
     Graph,
+    /// Values at the places of a regular grid: images and volumes.
+    Grid,
     /// Values at the vertices of a shape in another file.
     Values,
 }
@@ -141,6 +143,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) title: &'static str,
     /// File endings without the dot; empty for the second form of an ending.
     pub(crate) extensions: &'static [&'static str],
+    /// Endings of the whole name, such as `.dscalar.nii`, that mean another kind of file.
+    pub(crate) foreign_endings: &'static [&'static str],
     /// The format whose ending this one shares, if it is the second form of it.
     pub(crate) form_of: Option<Format>,
     pub(crate) content: ContentKind,
@@ -200,6 +204,7 @@ impl FormatDescriptor {
         format: Format::new(""),
         title: "",
         extensions: &[],
+        foreign_endings: &[],
         form_of: None,
         content: ContentKind::Mesh,
         reads: "",
@@ -238,5 +243,6 @@ impl FormatDescriptor {
         let name = name.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
         name.rsplit_once('.').is_some_and(|(_, ending)| self.extensions.contains(&ending))
+            && !self.foreign_endings.iter().any(|ending| name.ends_with(ending))
     }
 }

@@ -12,6 +12,8 @@ pub(crate) mod file_head;
 pub(crate) mod float_steps;
 pub(crate) mod format_descriptor;
 pub(crate) mod graph_changes;
+pub(crate) mod grid_layout;
+pub(crate) mod grid_values;
 pub(crate) mod grouping;
 #[cfg(feature = "print3d")]
 pub(crate) mod instances;

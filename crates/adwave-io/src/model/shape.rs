@@ -1,5 +1,6 @@
 //! Conversion of a file's content to a shape of the library.
 
+use adwave::grid::GridError;
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{Cancelled, ClassifiedError, ErrorKind, named_values};
 use std::sync::Arc;
@@ -89,6 +90,9 @@ pub enum ShapeFileError {
     /// The edges do not form a graph.
     #[error(transparent)]
     Graph(#[from] GraphError),
+    /// The sizes, spacings or places without data do not form a grid.
+    #[error(transparent)]
+    Grid(#[from] GridError),
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use adwave::shape::Polygons;
 
 use crate::model::float_steps::note_on_reading;
+use crate::model::grid_layout::GridLayout;
 use crate::model::partial::{FileRows, WholeFile};
 use crate::model::source_document::SourceDocument;
 use crate::model::units::{CoordinateSystem, LengthUnit};
 use crate::provenance::Provenance;
-use crate::{Field, Format, ShapeFileError};
+use crate::{Field, Format, ShapeFileError, ValueType};
 
 /// Number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +77,10 @@ pub struct ShapeFile {
     pub(crate) field_data: Vec<Field>,
     pub(crate) format: Option<Format>,
     pub(crate) precision: CoordinatePrecision,
+    /// Places of an image or a volume, which are the vertices.
+    pub(crate) grid: Option<Arc<GridLayout>>,
+    /// Type of the numbers of a written grid; `None` for that of the original or of the values.
+    pub(crate) value_type: Option<ValueType>,
     /// Unit of length of the coordinates, if it is known.
     pub(crate) unit: Option<LengthUnit>,
     pub(crate) coordinate_system: Option<Arc<CoordinateSystem>>,
@@ -138,6 +143,8 @@ impl ShapeFile {
             field_data: Vec::new(),
             format: None,
             precision: CoordinatePrecision::F64,
+            grid: None,
+            value_type: None,
             unit: None,
             coordinate_system: None,
             structure: None,

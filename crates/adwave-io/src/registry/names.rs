@@ -101,6 +101,11 @@ impl Format {
         self.descriptor().content == ContentKind::Graph
     }
 
+    /// True if the format holds images and volumes: the values of grids, and no shapes.
+    pub fn holds_grids(self) -> bool {
+        self.descriptor().content == ContentKind::Grid
+    }
+
     /// Form that represents both the binary and the text form: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         self.descriptor().form_of.unwrap_or(self)

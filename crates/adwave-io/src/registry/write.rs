@@ -106,7 +106,12 @@ fn write_shape(
 ) -> Result<WriteReport, WriteError> {
     check_indices(shape, format, progress)?;
     check_range(shape, format, progress)?;
-    if shape.points.len() != shape.n_vertices && !format.holds_graphs() {
+    let holds_grids = format.holds_grids();
+    if holds_grids != shape.grid.is_some() {
+        let what = if holds_grids { "a shape: it holds images and volumes" } else { "the values of a grid" };
+        return Err(WriteError::CannotHold { format, what: what.into() });
+    }
+    if shape.points.len() != shape.n_vertices && !holds_grids && !format.holds_graphs() {
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
     }

@@ -11,6 +11,7 @@ mod freesurfer;
 mod gifti;
 mod gltf;
 mod graph_names;
+mod grids;
 mod las_write;
 mod laz;
 mod meshes;

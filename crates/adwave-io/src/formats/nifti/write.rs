@@ -1,0 +1,117 @@
+//! NIfTI writer: new files, and files that were read with other values.
+
+use super::header::{Header, HeaderEditor, Version};
+use crate::model::context::WriteContext;
+use crate::model::field::ByteOrder;
+use crate::model::grid_layout::GridLayout;
+use crate::model::grid_values::{GridNumbers, written_field};
+use crate::model::source_document::{SourceDocument, Update};
+use crate::{Format, LengthUnit, ShapeFile, ValueType, WriteError};
+
+/// A NIfTI that was read.
+#[derive(Debug)]
+pub(super) struct NiftiDocument {
+    pub(super) bytes: Vec<u8>,
+    pub(super) header: Header,
+    pub(super) numbers: GridNumbers,
+}
+
+impl SourceDocument for NiftiDocument {
+    fn update(&self, shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        let field = written_field(shape, c.format, &mut c.report)?;
+        let Self { bytes, header, numbers } = self;
+        let is_edited = shape.edited.contains(&field.name);
+        let kind = shape.value_type.unwrap_or(numbers.kind);
+        let has_own_kind = kind == numbers.kind;
+        if !is_edited && has_own_kind {
+            c.out.write_all(bytes)?;
+            return Ok(Update::Written);
+        }
+        let old = &bytes[header.start..header.start + numbers.n_bytes().unwrap_or(0)];
+        if has_own_kind && field.n_channels == numbers.n_channels() {
+            c.out.write_all(&bytes[..header.start])?;
+            numbers.write(Some(old), field, c.format, c.out, c.progress)?;
+            c.out.write_all(&bytes[header.start + old.len()..])?;
+            return Ok(Update::Written);
+        }
+        // Another type, or another number of channels: the rest of the header stays.
+        let mut sizes = header.sizes.clone();
+        if field.n_channels != numbers.n_planes {
+            sizes.truncate(3);
+            if field.n_channels > 1 {
+                sizes.resize(3, 1);
+                sizes.push(field.n_channels);
+            }
+            if field.n_channels as u64 > header.version.most() {
+                return Ok(Update::DoesNotFit);
+            }
+        }
+        let mut head = bytes[..header.start].to_vec();
+        let mut editor = HeaderEditor { bytes: &mut head, version: header.version, order: header.order };
+        editor.set_value_type(kind);
+        if sizes != header.sizes {
+            editor.set_sizes(&sizes);
+        }
+        c.out.write_all(&head)?;
+        let planes = planes(kind, header.order, shape.n_vertices, field.n_channels);
+        planes.write(None, field, c.format, c.out, c.progress)?;
+        c.out.write_all(&bytes[header.start + old.len()..])?;
+        Ok(Update::Written)
+    }
+
+    fn keeps_extras(&self, format: Format) -> bool {
+        format == Format::NIFTI
+    }
+}
+
+/// Numbers that are the values, a plane for each channel.
+fn planes(kind: ValueType, order: ByteOrder, n_places: usize, n_channels: usize) -> GridNumbers {
+    GridNumbers { n_planes: n_channels, ..GridNumbers::new(kind, order, n_places, 1) }
+}
+
+/// Writes a new file: NIfTI-1, or NIfTI-2 if an axis is too long for it.
+pub(super) fn write_nifti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<(), WriteError> {
+    let field = written_field(shape, c.format, &mut c.report)?;
+    let Some(layout) = shape.grid() else {
+        return Err(WriteError::CannotHold { format: c.format, what: "a shape".into() });
+    };
+    let GridLayout { sizes, spacings, steps, origin, unit, .. } = layout;
+    let mut sizes: Vec<usize> = sizes.iter().rev().copied().collect();
+    let n_axes = sizes.len();
+    if field.n_channels > 1 {
+        sizes.resize(3, 1);
+        sizes.push(field.n_channels);
+    }
+    let is_short = sizes.iter().all(|&size| size as u64 <= Version::One.most());
+    let version = if is_short { Version::One } else { Version::Two };
+    let kind = shape.value_type.unwrap_or(field.values.value_type());
+    let mut head = Header::new_bytes(version);
+    let mut editor = HeaderEditor { bytes: &mut head, version, order: ByteOrder::Little };
+    editor.set_value_type(kind);
+    editor.set_sizes(&sizes);
+    let mut rows = [[0.0; 4]; 3];
+    for k in 0..3 {
+        let axis = n_axes.checked_sub(1 + k);
+        editor.set_spacing(k, axis.map_or(1.0, |axis| spacings[axis]));
+        for (row, out) in rows.iter_mut().enumerate() {
+            out[k] = axis.map_or(if row == k { 1.0 } else { 0.0 }, |axis| steps[axis][row]);
+        }
+    }
+    for (row, out) in rows.iter_mut().enumerate() {
+        out[3] = origin[row];
+    }
+    editor.set_spacing(3, 1.0);
+    editor.set_affine(&rows);
+    let codes = [(LengthUnit::METER, 1), (LengthUnit::MILLIMETER, 2), (LengthUnit::MICRON, 3)];
+    match codes.iter().find(|(known, _)| Some(known) == unit.as_ref()) {
+        Some((_, code)) => editor.set_unit(*code),
+        None => {
+            if let Some(unit) = unit {
+                c.report.report_dropped(format!("the unit of length, {}", unit.plural()));
+            }
+        }
+    }
+    c.out.write_all(&head)?;
+    let planes = planes(kind, ByteOrder::Little, shape.n_vertices, field.n_channels);
+    planes.write(None, field, c.format, c.out, c.progress)
+}
