@@ -11,6 +11,8 @@ pub(crate) mod field;
 pub(crate) mod file_head;
 pub(crate) mod float_steps;
 pub(crate) mod format_descriptor;
+#[cfg(any(feature = "las", feature = "grid"))]
+pub(crate) mod geo_keys;
 pub(crate) mod graph_changes;
 pub(crate) mod grid_layout;
 pub(crate) mod grid_values;
