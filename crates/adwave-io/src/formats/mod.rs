@@ -38,10 +38,14 @@ pub(crate) mod obj;
 pub(crate) mod off;
 #[cfg(feature = "pcd")]
 pub(crate) mod pcd;
+#[cfg(feature = "grid")]
+pub(crate) mod picture;
 pub(crate) mod ply;
 pub(crate) mod stl;
 #[cfg(feature = "print3d")]
 pub(crate) mod threemf;
+#[cfg(feature = "grid")]
+pub(crate) mod tiff;
 #[cfg(feature = "vtk")]
 pub(crate) mod vtk_legacy;
 #[cfg(feature = "vtk")]
@@ -124,6 +128,12 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &geomview::GEOMVIEW,
     #[cfg(feature = "grid")]
     &nifti::NIFTI,
+    #[cfg(feature = "grid")]
+    &picture::PNG,
+    #[cfg(feature = "grid")]
+    &picture::JPEG,
+    #[cfg(feature = "grid")]
+    &tiff::TIFF,
     #[cfg(feature = "neuro")]
     &cifti::CIFTI,
     #[cfg(feature = "neuro")]

@@ -135,3 +135,147 @@ fn shapes_and_grids_do_not_mix() {
         Err(WriteError::CannotHold { format: Format::NIFTI, .. })
     ));
 }
+
+const PNG: &[u8] = include_bytes!("../../src/formats/picture/samples/a.png");
+const PALETTE: &[u8] = include_bytes!("../../src/formats/picture/samples/b.png");
+const GEO: &[u8] = include_bytes!("../../src/formats/tiff/samples/a.tif");
+const STACK: &[u8] = include_bytes!("../../src/formats/tiff/samples/b.tif");
+const TILES: &[u8] = include_bytes!("../../src/formats/tiff/samples/c.tif");
+
+/// Samples of grids with the format that they are written in.
+fn samples() -> impl Iterator<Item = (&'static str, &'static [u8], Format)> {
+    let formats = Format::all().filter(|format| format.holds_grids());
+    formats.flat_map(|format| format.samples().map(move |(name, bytes)| (name, bytes, format)))
+}
+
+#[test]
+fn an_edited_value_changes_nothing_else() {
+    for (name, bytes, format) in samples().filter(|(_, _, format)| format.can_write()) {
+        let shape = read(bytes, name).unwrap();
+        let first = values(&shape).iter().position(|x| !x.is_nan()).unwrap();
+        let mut numbers = values(&shape);
+        numbers[first] += if numbers[first] > 100.0 { -1.0 } else { 1.0 };
+        let edited = with_values(&shape, FieldValues::F64(numbers.clone()));
+        let again = read(&written(&edited, format), name).unwrap();
+        assert_eq!(again.grid(), shape.grid(), "{name}");
+        let found = values(&again);
+        for (i, (a, b)) in found.iter().zip(&numbers).enumerate() {
+            assert!(a == b || (a.is_nan() && b.is_nan()), "{format} {name}: {a} instead of {b} at {i}");
+        }
+        assert_eq!(again.coordinate_system(), shape.coordinate_system(), "{name}");
+        // The same values, given anew, leave the file as it is.
+        let same = with_values(&shape, FieldValues::F64(values(&shape)));
+        assert!(written(&same, format) == bytes, "{format} {name}");
+    }
+}
+
+#[test]
+fn every_truncation_is_an_error_of_one_line() {
+    for (name, bytes, format) in samples() {
+        for end in 0..bytes.len() {
+            match read(&bytes[..end], name) {
+                Err(message) => assert!(!message.contains('\n'), "{message}"),
+                // The last bytes of a PNG or a JPEG are marks behind the pixels.
+                Ok(_) => assert!(
+                    [Format::PNG, Format::JPEG].contains(&format) && end + 12 >= bytes.len(),
+                    "{format} {name} {end} of {}",
+                    bytes.len()
+                ),
+            }
+        }
+    }
+}
+
+#[test]
+fn any_changed_byte_is_a_grid_or_an_error() {
+    for (name, bytes, _) in samples() {
+        for at in 0..bytes.len().min(700) {
+            for byte in [0, 1, 0x7f, 0xff, bytes[at] ^ 0x10] {
+                let mut changed = bytes.to_vec();
+                changed[at] = byte;
+                if let Ok(shape) = read(&changed, name) {
+                    let grid = shape.grid();
+                    assert!(grid.is_none_or(|grid| grid.n_places() == shape.n_vertices()), "{name} {at}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_png_keeps_its_texts_and_bits() {
+    // Pillow: 3 rows of 4 numbers of 16 bits, 5000 apart.
+    let shape = read(PNG, "a.png").unwrap();
+    assert_eq!(shape.grid().unwrap().sizes, [3, 4]);
+    assert_eq!(shape.field("values").unwrap().values, FieldValues::U16((0..12).map(|i| 5000 * i).collect()));
+    let bytes = written(&stepped(&shape, 1.0), Format::PNG);
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(text.contains("Comment\0kept") && text.contains("pHYs"));
+    assert_eq!(bytes[..33], PNG[..33], "size and bits");
+    assert!(refusal(&stepped(&shape, -1.0), Format::PNG).contains("does not fit the u16 numbers"));
+    let palette = read(PALETTE, "b.png").unwrap();
+    assert_eq!(palette.field("values").unwrap().values, {
+        let colors = (0..12).flat_map(|i| (0..3).map(move |c| if i % 3 == c { 255 } else { 0 }));
+        FieldValues::U8(colors.collect())
+    });
+    assert!(palette.notes()[0].contains("palette"));
+    let mut fractions = ShapeFile::from_grid(GridLayout::new(&[1, 2], &[1.0, 1.0])).unwrap();
+    fractions = with_values(&fractions, FieldValues::F64(vec![0.5, 1.0]));
+    assert!(refusal(&fractions, Format::PNG).contains("TIFF"));
+    let whole = with_values(&fractions, FieldValues::F64(vec![0.0, 256.0]));
+    assert_eq!(values(&read(&written(&whole, Format::PNG), "a.png").unwrap()), [0.0, 256.0]);
+}
+
+#[test]
+fn a_geotiff_has_its_place_on_the_map_and_keeps_it() {
+    let shape = read(GEO, "a.tif").unwrap();
+    let grid = shape.grid().unwrap();
+    assert_eq!((&grid.sizes[..], &grid.spacings[..]), (&[4, 5][..], &[20.0, 30.0][..]));
+    assert_eq!(grid.position(6), [1045.0, 1970.0, 0.0], "the second pixel of the second row");
+    assert_eq!(shape.coordinate_system().unwrap().name, "EPSG:32633");
+    // The first number is −7, which means no data.
+    assert_eq!(grid.kept.as_ref().unwrap().iter().position(|kept| !kept), Some(0));
+    assert!(values(&shape)[0].is_nan() && values(&shape)[19] == 50.0);
+    let mut numbers = values(&shape);
+    (numbers[0], numbers[1]) = (1.0, f64::NAN);
+    let bytes = written(&with_values(&shape, FieldValues::F64(numbers)), Format::TIFF);
+    let differing: Vec<usize> = (0..GEO.len()).filter(|&i| bytes[i] != GEO[i]).collect();
+    assert!(bytes.len() == GEO.len() && differing.len() <= 4, "{differing:?}");
+    assert!(values(&read(&bytes, "a.tif").unwrap())[1].is_nan());
+    let mut wide = stepped(&shape, 0.25);
+    wide.set_value_type(Some(ValueType::F32));
+    let again = read(&written(&wide, Format::TIFF), "a.tif").unwrap();
+    assert_eq!((again.grid(), again.coordinate_system()), (shape.grid(), shape.coordinate_system()));
+    assert_eq!(again.field("values").unwrap().values.value_type(), ValueType::F32);
+}
+
+#[test]
+fn stacks_tiles_and_predictors_are_read() {
+    // tifffile: big-endian floats i / 4 in two pages of 3 × 4 pixels of 3 channels, Deflate with predictor 3.
+    let stack = read(STACK, "b.tif").unwrap();
+    assert_eq!(stack.grid().unwrap().sizes, [2, 3, 4]);
+    assert_eq!(values(&stack), (0..72).map(|i| f64::from(i) / 4.0).collect::<Vec<_>>());
+    // Tiles of 16 × 16 in an image of 20 × 18, LZW with predictor 2.
+    let tiles = read(TILES, "c.tif").unwrap();
+    assert_eq!(values(&tiles), (0..360).map(|i| f64::from(i % 251)).collect::<Vec<_>>());
+    let mut bands = with_values(&tiles, FieldValues::F32((0..720).map(|i| i as f32).collect()));
+    bands.set_value_type(Some(ValueType::F32));
+    assert_eq!(values(&read(&written(&bands, Format::TIFF), "c.tif").unwrap()), values(&bands));
+}
+
+#[test]
+fn a_grid_goes_to_another_format_with_what_that_stores() {
+    let shape = read(GEO, "a.tif").unwrap();
+    let mut bytes = Vec::new();
+    let report = write_bytes(&shape, Format::NIFTI, &mut bytes).unwrap();
+    let nifti = read(&bytes, "a.nii").unwrap();
+    assert_eq!(nifti.grid().unwrap().steps, shape.grid().unwrap().steps);
+    assert_eq!(nifti.grid().unwrap().kept, shape.grid().unwrap().kept);
+    assert!(report.not_written.is_empty(), "{report:?}");
+    for mut new in [nifti.clone(), shape.clone()] {
+        new.forget_original();
+        let again = read(&written(&new, Format::TIFF), "b.tif").unwrap();
+        assert_eq!(again.grid().unwrap().steps, shape.grid().unwrap().steps);
+        assert_eq!(again.grid().unwrap().kept, shape.grid().unwrap().kept);
+    }
+}

@@ -8,7 +8,7 @@ use super::header::Header;
 use super::write::NiftiDocument;
 use crate::model::grid_layout::{GridLayout, step_lengths};
 use crate::model::grid_values::{GridNumbers, GridValues};
-use crate::{LengthUnit, ReadError, ReadLimits, ShapeFile};
+use crate::{Format, LengthUnit, ReadError, ReadLimits, ShapeFile};
 
 /// Relative difference of spacings beyond that of 32-bit floats that were computed from each other.
 const ROUNDING: f64 = 1e-3;
@@ -55,6 +55,7 @@ pub(super) fn read_nifti(
     let GridValues { field, kept } = numbers.read(found, progress)?;
     let layout = GridLayout { kept, ..layout(&header, &mut notes) };
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
+    shape.format = Some(Format::NIFTI);
     shape.vertex_fields.push(field);
     shape.notes = notes;
     shape.original = Some(Arc::new(NiftiDocument { bytes, header, numbers }));
