@@ -29,6 +29,8 @@ REFERENCE = {
     "_detail": "Transfer and morph",
     "_register": "Match, measure distances, simplify",
     "_hierarchy": "Levels of subdivision",
+    "_walk": "Walks on graphs and points",
+    "_impute": "Averages over similar cells",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",
     "_picture": "Pictures",
