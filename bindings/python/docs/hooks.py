@@ -30,6 +30,7 @@ REFERENCE = {
     "_register": "Match, measure distances, simplify",
     "_hierarchy": "Levels of subdivision",
     "_walk": "Walks on graphs and points",
+    "_grid": "Images and volumes",
     "_impute": "Averages over similar cells",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",

@@ -16,6 +16,7 @@ mod deform;
 mod edit;
 mod error;
 mod frames;
+mod grid;
 mod hierarchy;
 mod measures;
 mod operator;

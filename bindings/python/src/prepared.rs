@@ -3,6 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, value_error};
+use crate::grid::{GridOptions, grid_decomposer};
 use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOptions};
 use crate::own_operator::OwnOperatorOptions;
 use crate::region::region_weights;
@@ -91,6 +92,12 @@ impl Prepared {
             run(py, own.n_vertices(), progress.as_ref(), |p| Decomposer::with_params(own, &params, p))?;
         let normals = adwave_io::file_normals(&content.file);
         Ok(Self { decomposer, normals, shape })
+    }
+
+    /// A grid with heat. The shape has a vertex for each place, and names nothing.
+    #[staticmethod]
+    fn from_grid(py: Python<'_>, shape: Py<ShapeData>, options: GridOptions<'_>) -> PyResult<Self> {
+        Ok(Self { decomposer: grid_decomposer(py, options)?, normals: None, shape })
     }
 
     /// The shape without some vertices.

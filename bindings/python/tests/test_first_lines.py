@@ -181,7 +181,7 @@ def test_where_takes_indices() -> None:
         (lambda: aw.filter(SHAPE, f), 'aw.filter\\(shape, "smooth", signal=f\\)'),
         (lambda: aw.decompose(SHAPE, levels=3).apply(2.0), r"bands\.apply\(\[2\.0\] \* 3\)"),
         (lambda: aw.decompose(np.zeros((40, 50))), r"aw\.decompose\(shape, values\)"),
-        (lambda: aw.decompose(np.zeros((20, 30, 3))), "grid_to_graph"),
+        (lambda: aw.decompose(np.zeros((20, 30, 3))), r"aw\.grid\(image, axes=\(0, 1\)\)"),
         (lambda: aw.graph(3, [[0, 1], [1, 2]], weights=[1, -1]), "edge 1 has the weight -1"),
     ],
 )

@@ -57,6 +57,8 @@ from adwave._walk import neighbors as neighbors
 from adwave._walk import points as points
 from adwave._walk import scattering as scattering
 from adwave._walk import walk as walk
+from adwave._grid import Grid as Grid
+from adwave._grid import grid as grid
 from adwave._impute import Imputation as Imputation
 from adwave._impute import impute as impute
 from adwave._info import Info as Info
@@ -90,6 +92,7 @@ __all__ = [
     "Distances",
     "FeatureOptions",
     "Features",
+    "Grid",
     "Hierarchy",
     "Imputation",
     "Info",
@@ -123,6 +126,7 @@ __all__ = [
     "from_edge_index",
     "gaze_scores",
     "graph",
+    "grid",
     "hierarchy",
     "impute",
     "info",

@@ -34,6 +34,7 @@ from ._adapt_arrays import (
 )
 from ._adapt_objects import SIGNALS, Found, by_names, has_shape_names, library_of, read, warn_of_weights
 from ._adapt_results import has_place, rebuild
+from ._grid_objects import library_of_grid
 
 __all__ = [
     "Parts",
@@ -248,6 +249,10 @@ def _find(shape: object, faces: object) -> Found:
         raise TypeError(f"shape: {os.fspath(shape)!r} is a path; read it first, with adwave.read")
     if (library := library_of(shape)) is not None:
         found = read(shape, library)
+    elif (library := library_of_grid(shape)) in ("nibabel", "SimpleITK", "rasterio"):
+        raise TypeError(
+            f"shape: an image of {library} is a grid; pass aw.grid(image), as in aw.smooth(aw.grid(image), fwhm=8)"
+        )
     elif faces is None and (pair := _pair_of(shape)) is not None:
         return Found("arrays", points=pair[0], faces=pair[1])
     elif _is_array_like(shape):

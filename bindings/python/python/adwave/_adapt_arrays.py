@@ -133,20 +133,14 @@ def _points_hint(shape: tuple[int, ...], name: str) -> str:
             f"has {shape[1]} columns, but positions have 2 or 3: values at the vertices of a shape are a signal, "
             "aw.decompose(shape, values); samples with many features are the nodes of a graph, "
             "aw.decompose(sklearn.neighbors.kneighbors_graph(X, 10), X); columns x, y, z and others are "
-            f"aw.decompose({name}[:, :3], {name}[:, 3:])"
+            f"aw.decompose({name}[:, :3], {name}[:, 3:]); an image is aw.decompose(aw.grid({name}))"
         )
     if len(shape) == 3 and shape[2] in (3, 4) and min(shape[:2]) > 3:
-        return (
-            "looks like an image; its pixels are the nodes of a graph: aw.decompose("
-            "sklearn.feature_extraction.image.grid_to_graph(*image.shape[:2]), image.reshape(-1, image.shape[2]))"
-        )
+        return "looks like an image, which is a grid of channels: aw.decompose(aw.grid(image, axes=(0, 1)))"
     if len(shape) == 1 and shape[0] % 3 == 0:
         return f"has one dimension; pass {name}.reshape(-1, 3)"
     if len(shape) == 3 and shape[1:] != (3, 3):
-        return (
-            "looks like a volume; its voxels are the nodes of a graph: aw.decompose(pyvista.wrap(volume)) or "
-            "aw.decompose(sklearn.feature_extraction.image.grid_to_graph(*volume.shape), volume.ravel())"
-        )
+        return "looks like a volume, which is a grid: aw.decompose(aw.grid(volume))"
     if shape[1:] == (3, 3):
         return "looks like separate triangles; join equal corners, and pass points and faces"
     return "is not one row per vertex, (n, 3) or (n, 2)"

@@ -302,16 +302,13 @@ class Bands(NDArrayOperatorsMixin):
         return self.array.astype(dtype, **options)
 
     def to_xarray(self) -> DataArray:
-        """An `xarray.DataArray` with the axes level, vertex and channel, and steps and widths of the levels.
+        """An `xarray.DataArray` with the axes level, vertex (of a grid i, j and k) and channel, and steps and widths of the levels.
 
         Level j = 1 … J is ``W_f(j)`` and level J + 1 the rest, whose steps and widths are those of level J.
         """
         import xarray
 
-        names = (
-            ["channel"] if len(self._layout.channels) == 1 else [f"axis_{i}" for i in range(len(self._layout.channels))]
-        )
-        axes = [*names, "vertex"] if self._layout.is_last else ["vertex", *names]
+        axes = self._layout.axis_names()
         steps, widths = self.steps, self.rms_widths
         along = {
             "level": np.arange(1, len(self) + 1),
@@ -529,7 +526,7 @@ class Bands(NDArrayOperatorsMixin):
                 f"gains must be one number for each of {self.n_levels} bands, got {gains}; for all bands alike "
                 f"bands.apply([{gains}] * {self.n_levels})"
             )
-        layers = edit_layers(gains, where, self._layout.n_vertices)
+        layers = edit_layers(gains, where, self._layout.n_vertices, self.decomposer._sizes)
         if out is not None:
             expected = self._layout.shape
             is_array = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == expected
@@ -629,8 +626,10 @@ class Bands(NDArrayOperatorsMixin):
     def _repr_html_(self) -> str:
         widths = self.rms_widths
         titles = [f"{j} · {width:.3g}" for j, width in enumerate(widths, start=1)]
-        shape = self.decomposer.shape if self._selection is None else self._selection.whole
         view = ""
+        if self.decomposer._sizes:
+            return f"<div>{escape(repr(self))}</div>"
+        shape = self.decomposer.shape if self._selection is None else self._selection.whole
         if shape.kind == "mesh":
             view = bands_html(shape._data, self._array, [*titles, "rest"], self._request.signal is None)
         return f"<div>{escape(repr(self))}</div>{view}"
@@ -692,8 +691,8 @@ def prepare_decomposer(
     return Decomposer(shape, operator=options.with_default_kind("surface" if is_surface else "walk"))
 
 
-def edit_layers(gains: GainsLike, where: Where, n_vertices: int) -> list[tuple[Any, Any]]:
-    """Gains and weights of each layer, as the extension takes them.
+def edit_layers(gains: GainsLike, where: Where, n_vertices: int, sizes: tuple[int, ...] = ()) -> list[tuple[Any, Any]]:
+    """Gains and weights of each layer, as the extension takes them; on a grid of these sizes weights may have its axes.
 
     Raises
     ------
@@ -705,10 +704,10 @@ def edit_layers(gains: GainsLike, where: Where, n_vertices: int) -> list[tuple[A
     elif not isinstance(gains, str) and len(gains) > 0 and all(isinstance(g, Layer) for g in gains):
         layers: list[Layer] = list(gains)  # type: ignore[arg-type]
     else:
-        return [(_plain_gains(gains), _plain_weights(where, n_vertices))]  # type: ignore[arg-type]
+        return [(_plain_gains(gains), _plain_weights(where, n_vertices, sizes))]  # type: ignore[arg-type]
     if where is not None:
         raise ValueError("where: each layer has its own region; leave it out")
-    return [(_plain_gains(layer.gains), _plain_weights(layer.where, n_vertices)) for layer in layers]
+    return [(_plain_gains(layer.gains), _plain_weights(layer.where, n_vertices, sizes)) for layer in layers]
 
 
 def _plain_gains(gains: Sequence[float] | str) -> Any:
@@ -720,9 +719,15 @@ def _plain_gains(gains: Sequence[float] | str) -> Any:
     return array.tolist()
 
 
-def _plain_weights(where: Where, n: int) -> Any:
+def _plain_weights(where: Where, n: int, sizes: tuple[int, ...] = ()) -> Any:
     if where is None or isinstance(where, str):
         return where
+    if sizes:
+        if np.shape(where) not in (sizes, (n,)):
+            raise ValueError(
+                f"where: shape {np.shape(where)} is not that of the grid, {sizes}; give a weight for each place"
+            )
+        where = np.reshape(where, -1)
     weights = region_weights(where, n)
     # Weights of 1 at all vertices are no region, and give the same bits as without.
     return None if (weights == 1).all() else weights

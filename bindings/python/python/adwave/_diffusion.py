@@ -488,7 +488,8 @@ class PreparedShape:
 
             def smooth(owner: PreparedShape, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
                 change = owner._data.combine_bands(BandsRequest(values, steps, accuracy), [-1.0], report)
-                return change + (self.shape.points if values is None else values)
+                change += self.shape.points if values is None else values
+                return change
 
             return layout.arrange(self._map_channels(values, smooth))
 
@@ -571,6 +572,19 @@ class PreparedShape:
         # The untyped class returns an instance of another class here.
         factory: Any = LinearOperator
         return factory((n, n), matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
+
+    @property
+    def _sizes(self) -> tuple[int, ...]:
+        """Sizes of a grid, whose axes weights may have; none for a shape."""
+        return ()
+
+    def _own_signal(self) -> SignalLike:
+        """The signal that this is prepared with, which functions take by default; None for the coordinates."""
+        return None
+
+    def _by_place(self) -> Layout:
+        """Axes of one number for each vertex."""
+        return Layout(self.n_vertices)
 
     def _resolve_signal(self: _Prepared, signal: SignalLike) -> tuple[_Prepared, NDArray[np.float64] | None, Layout]:
         """Owner of the signal (masked where a channel is NaN), its n × channels values (None: coordinates), its axes."""

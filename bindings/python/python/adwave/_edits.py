@@ -338,11 +338,11 @@ def filter(
     moves = named is None or (isinstance(named, str) and named == "coords")
     if precision != "auto" and local_fit != "constant" and not moves:
         raise ValueError("precision: it applies to a signal with local_fit='constant'; leave it out")
-    _check_gains(gains, part.whole_shape.n_vertices)
+    _check_gains(gains, part.whole.n_vertices)
     if constraints is not None:
         operator = _constrained_operator(part, constraints, named, operator)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
-    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices)
+    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices, decomposer._sizes)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
         levels = len(gains)  # type: ignore[arg-type]
     steps = decomposer.schedule(levels)
@@ -512,13 +512,13 @@ def filter_labels(
     part = read_part("filter_labels", shape, options, _LABELS)
     levels = levels_of(levels, options)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
-    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices)
+    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices, decomposer._sizes)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
         levels = len(gains)  # type: ignore[arg-type]
     owner, values, layout = decomposer._resolve_signal(part.take_signal(labels))
     request = BandsRequest(values, decomposer.schedule(levels), accuracy)
     with report_progress(progress, "filtering") as report:
-        filtered = _native.filter_labels(owner._data, request, layers, report)[:, 0]
+        filtered = owner._by_place().arrange(_native.filter_labels(owner._data, request, layers, report))
     return part.spread(filtered, layout, part.whole_shape.signal(labels) if isinstance(labels, str) else labels)
 
 

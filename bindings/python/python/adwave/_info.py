@@ -143,6 +143,8 @@ def region(
     if blur is not None:
         text = f"blurred:by={blur}({text})"
     found = prepare_decomposer(own).region(text)
+    if part.selection is None:
+        return found
     return part.spread(found, Layout(len(found)), np.zeros(part.whole_shape.n_vertices))
 
 

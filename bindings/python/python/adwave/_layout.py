@@ -54,6 +54,12 @@ class Layout:
         rows = np.moveaxis(values, -1, lead) if self.is_last else values
         return rows.reshape(*rows.shape[: lead + 1], self.n_channels)
 
+    def axis_names(self) -> list[str]:
+        """Names of the axes of the signal."""
+        n = len(self.channels)
+        names = ["channel"] if n == 1 else [f"axis_{i}" for i in range(n)]
+        return [*names, "vertex"] if self.is_last else ["vertex", *names]
+
     def with_vertices(self, n_vertices: int) -> Layout:
         """The layout with another number of vertices."""
         return Layout(n_vertices, self.channels, self.is_last)

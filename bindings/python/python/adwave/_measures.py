@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt, _native
 from adwave._decomposer import prepare_decomposer
 from adwave._diffusion import EXTENT
-from adwave._layout import Layout
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, levels_of
 from adwave._part import default_signal, exact_operator, read_part
 from adwave._progress import ProgressLike, report_progress
@@ -190,8 +189,8 @@ def saliency(
     with report_progress(progress, "splitting") as report:
         array, each, rows, sides = _native.saliency_map(owner._data, request, weighting, options, report)
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
-    by_vertex = Layout(len(array))
-    array, each = part.spread(array, by_vertex), [part.spread(one, by_vertex) for one in each]
+    layout = owner._by_place()
+    array, *each = [part.spread(layout.arrange(one[:, np.newaxis]), layout) for one in (array, *each)]
     return _restore_saliency(array, np.array(rows, dtype=kinds), sides, each)
 
 

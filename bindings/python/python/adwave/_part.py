@@ -237,7 +237,9 @@ def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> Operat
 
 def default_signal(given: object, signal: SignalLike) -> SignalLike:
     """The signal, or the data of an object that is a signal on a shape, such as an image on a surface."""
-    return _adapt.own_signal(given) if signal is None else signal
+    if signal is not None:
+        return signal
+    return given._own_signal() if isinstance(given, Decomposer) else _adapt.own_signal(given)
 
 
 def ask_about_faces(function: str, shape: object, second: object) -> None:

@@ -82,6 +82,8 @@ def _levels_by(kind: str) -> Callable[[Any, Collection[str]], str]:
 
 
 def _sigma(value: Any, known: Collection[str]) -> str:
+    if "sigma" in known:
+        return f"that is sigma={_text(value)}"
     fwhm = _list_text(value, 2.3548)
     if "levels" in known:
         return f"a width names its measure: σ along one axis is levels=aw.Widths(fwhm={fwhm}), that is 2.355·σ"

@@ -1,0 +1,320 @@
+"""Images and volumes of other libraries, in and out: xarray, nibabel, SimpleITK, PyVista and rasterio.
+
+No library is imported before an object of it arrives; each is known by the module and the attributes of its class.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from adwave._grid_layout import MAX_AXES, MAX_COLORS
+
+#: Largest difference between steps of a coordinate, relative to their mean: that of coordinates in 32 bits.
+UNEVEN = 1e-3
+#: Largest cosine of the angle between two axes that count as orthogonal.
+SHEARED = 1e-3
+#: Names of dimensions of xarray that are channels rather than places.
+CHANNEL_NAMES = ("band", "channel", "c", "variable", "member", "number", "ensemble", "realization", "time", "t")
+
+
+@dataclass
+class FoundGrid:
+    """Values of an image or a volume, and what the object says about its axes.
+
+    Parameters
+    ----------
+    values : object
+        An array, or nested lists.
+    axes : tuple of int, optional
+        Axes of the grid, if the object knows them.
+    spacing : sequence of float or None, optional
+        Distance along each axis of the array that the object knows; None along the others.
+    affine : (4, 4) array, optional
+        Places of the voxels, which those of a mask must equal.
+    names : sequence of str, optional
+        Names of the axes of the array.
+    library : str, optional
+        The library of the object; None for arrays.
+    """
+
+    values: Any
+    axes: tuple[int, ...] | None = None
+    spacing: Sequence[float | None] | None = None
+    affine: NDArray[np.float64] | None = None
+    names: Sequence[str] | None = None
+    library: str | None = None
+
+    def spacing_of(self, axis: int) -> float:
+        """Distance along an axis of the array; 1 if the object has none."""
+        own = self.spacing[axis] if self.spacing is not None else None
+        return 1.0 if own is None else float(own)
+
+
+def find_grid(given: Any, axes: Any = None) -> FoundGrid:
+    """Values and axes of an object: those of its library, or an array.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the object is no image, or has no even spacing along an axis of the grid.
+    """
+    library = library_of_grid(given)
+    if library is None:
+        _refuse_others(given)
+        return FoundGrid(given)
+    found = _READERS[library](given, axes)
+    found.library = library
+    return found
+
+
+def library_of_grid(given: object) -> str | None:
+    """Library of an image or a volume; None for arrays and other objects."""
+    if isinstance(given, np.ndarray):
+        return None
+    for cls in type(given).__mro__:
+        root = cls.__module__.partition(".")[0]
+        if root == "xarray" and cls.__name__ == "DataArray":
+            return "xarray"
+        if root == "SimpleITK" and cls.__name__ == "Image":
+            return "SimpleITK"
+        if root in ("pyvista", "vtkmodules", "vtk") and cls.__name__ in ("ImageData", "vtkImageData"):
+            return "pyvista" if root == "pyvista" else "vtk"
+        if root == "rasterio" and hasattr(given, "transform"):
+            return "rasterio"
+    if all(hasattr(given, name) for name in ("dataobj", "affine", "header")):
+        return "nibabel"
+    return None
+
+
+def _refuse_others(given: object) -> None:
+    if isinstance(given, (str, bytes)) or hasattr(given, "__fspath__"):
+        raise TypeError(
+            f"array: {given!r} is a path or text; read it first, as in aw.grid(nibabel.load(path)), "
+            "aw.grid(xarray.open_dataarray(path)) or aw.grid(imageio.imread(path), axes=(0, 1))"
+        )
+    if type(given).__module__.partition(".")[0] == "xarray":
+        raise TypeError("array: an xarray.Dataset has several variables; pass one of them, aw.grid(dataset['name'])")
+    if given is None:
+        raise TypeError("array: None has no places; pass an image or a volume, aw.grid(np.zeros((64, 64)))")
+
+
+def _read_xarray(given: Any, axes: Any) -> FoundGrid:
+    names = [str(name) for name in given.dims]
+    if axes is not None:
+        each = [axes] if isinstance(axes, (str, int)) else list(axes)
+        unknown = [name for name in each if isinstance(name, str) and name not in names]
+        if unknown:
+            raise ValueError(f"axes: {unknown[0]!r} is no dimension; the DataArray has {', '.join(names)}")
+        chosen = tuple(names.index(name) if isinstance(name, str) else int(name) % len(names) for name in each)
+    else:
+        chosen = _own_dimensions(given, names)
+    spacing: list[float | None] = [None] * len(names)
+    for axis in chosen:
+        spacing[axis] = _even_spacing(given, names[axis])
+    return FoundGrid(given.values, chosen, spacing, names=names)
+
+
+def _own_dimensions(given: Any, names: list[str]) -> tuple[int, ...]:
+    """Dimensions of the grid of a DataArray, unless they need to be named."""
+
+    def is_channel(axis: int) -> bool:
+        coordinate = given.coords.get(names[axis])
+        is_number = coordinate is None or coordinate.dtype.kind in "iuf"
+        return not is_number or names[axis].lower() in CHANNEL_NAMES
+
+    places = [axis for axis in range(len(names)) if not is_channel(axis)]
+    is_clear = len(places) == len(names) <= MAX_AXES
+    if is_clear and len(names) == MAX_AXES:
+        is_clear = given.shape[0] > MAX_COLORS and given.shape[-1] > MAX_COLORS
+    if is_clear:
+        return tuple(places)
+    some = tuple(names[axis] for axis in (places or range(len(names)))[-MAX_AXES:])
+    also = tuple(names[-MAX_AXES:]) if some != tuple(names[-MAX_AXES:]) else tuple(names[-2:])
+    raise ValueError(
+        f"array: the DataArray has the dimensions {', '.join(names)}; name those of the grid, aw.grid(array, axes={some!r}) "
+        f"or aw.grid(array, axes={also!r}): the others are channels"
+    )
+
+
+def _even_spacing(given: Any, name: str) -> float:
+    coordinate = given.coords.get(name)
+    if coordinate is None or coordinate.ndim != 1 or coordinate.size < 2:
+        return 1.0
+    if coordinate.dtype.kind not in "iuf":
+        raise ValueError(
+            f"axes: the coordinate {name!r} has no lengths (dtype {coordinate.dtype}); leave it out of axes, or give "
+            f"lengths, aw.grid(array.drop_vars({name!r}), axes=…, spacing=…)"
+        )
+    steps = np.diff(np.asarray(coordinate.values, dtype=np.float64))
+    mean = float(steps.mean())
+    if mean == 0 or not np.isfinite(mean) or np.abs(steps - mean).max() > UNEVEN * abs(mean):
+        raise ValueError(
+            f"array: the coordinate {name!r} has steps of {steps.min():g} to {steps.max():g}, and a grid has even ones; "
+            f"interpolate it, array.interp({name}=np.linspace(…)), or count in places, aw.grid(array.drop_vars({name!r}))"
+        )
+    return abs(mean)
+
+
+def _read_nibabel(given: Any, _: Any) -> FoundGrid:
+    values = np.asanyarray(given.dataobj)
+    n = min(values.ndim, MAX_AXES)
+    affine = given.affine
+    if affine is None:
+        zooms: list[float] = [float(zoom) for zoom in given.header.get_zooms()[:n]]
+        return FoundGrid(values, tuple(range(n)), [*zooms, *[None] * (values.ndim - n)])
+    affine = np.asarray(affine, dtype=np.float64)
+    columns = affine[:3, :3]
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    if not (lengths > 0).all():
+        raise ValueError(
+            "array: the affine of the image has an axis without length; give lengths, "
+            "aw.grid(np.asarray(image.dataobj), spacing=(1.0, 1.0, 1.0))"
+        )
+    cosines = np.abs((columns / lengths).T @ (columns / lengths) - np.eye(3)).max()
+    if cosines > SHEARED:
+        warnings.warn(
+            f"array: the affine of the image is sheared (cosine {cosines:.3g} between two axes); lengths are taken along the "
+            "columns of the affine: resample the image for exact ones",
+            UserWarning,
+            stacklevel=4,
+        )
+    return FoundGrid(values, tuple(range(n)), [*map(float, lengths[:n]), *[None] * (values.ndim - n)], affine=affine)
+
+
+def _read_simpleitk(given: Any, _: Any) -> FoundGrid:
+    # The order of its axes is the reverse of that of the array, and components come last.
+    n = int(given.GetDimension())
+    if n > MAX_AXES:
+        raise ValueError(
+            f"array: the image has {n} dimensions; take a volume of it, aw.grid(image[:, :, :, 0]), or its values, "
+            "aw.grid(SimpleITK.GetArrayFromImage(image), axes=(1, 2, 3))"
+        )
+    values = import_module("SimpleITK").GetArrayFromImage(given)
+    spacing: list[float | None] = [float(h) for h in reversed(given.GetSpacing())]
+    return FoundGrid(values, tuple(range(n)), [*spacing, *[None] * (values.ndim - n)])
+
+
+def _image_data_values(given: Any) -> tuple[Any, str, bool]:
+    """The active scalars of an ImageData, their name, and whether they are at its points."""
+    name, points, cells = given.active_scalars_name, given.point_data, given.cell_data
+    if name is None or (name not in points and name not in cells):
+        every = [*points.keys(), *cells.keys()]
+        if len(every) != 1:
+            found = f"has {', '.join(map(repr, every))}" if every else "has none"
+            raise ValueError(
+                f"array: the ImageData {found}, and its active scalars are what is read; choose them, "
+                "image.set_active_scalars('name')"
+            )
+        name = every[0]
+    return (points[name], name, True) if name in points else (cells[name], name, False)
+
+
+def _read_pyvista(given: Any, _: Any) -> FoundGrid:
+    values, _, is_point = _image_data_values(given)
+    # Its first axis is the fastest one, that of arrays the last.
+    sizes = [int(n) if is_point else max(int(n) - 1, 1) for n in given.dimensions][::-1]
+    array = np.asarray(values)
+    array = array.reshape(*sizes, *array.shape[1:])
+    spacing: list[float | None] = [float(h) for h in reversed(given.spacing)]
+    return FoundGrid(array, (0, 1, 2), [*spacing, *[None] * (array.ndim - MAX_AXES)])
+
+
+def _read_vtk(given: Any, axes: Any) -> FoundGrid:
+    return _read_pyvista(import_module("pyvista").wrap(given), axes)
+
+
+def _read_rasterio(given: Any, _: Any) -> FoundGrid:
+    transform = given.transform
+    spacing: list[float | None] = [
+        None,
+        float(np.hypot(transform.b, transform.e)),
+        float(np.hypot(transform.a, transform.d)),
+    ]
+    if getattr(given.crs, "is_geographic", False):
+        warnings.warn(
+            "array: the raster is in degrees, which are shorter from east to west than from north to south; lengths are "
+            "degrees: reproject it for meters",
+            UserWarning,
+            stacklevel=4,
+        )
+    return FoundGrid(given.read(masked=True), (1, 2), spacing)
+
+
+_READERS: dict[str, Callable[[Any, Any], FoundGrid]] = {
+    "xarray": _read_xarray,
+    "nibabel": _read_nibabel,
+    "SimpleITK": _read_simpleitk,
+    "pyvista": _read_pyvista,
+    "vtk": _read_vtk,
+    "rasterio": _read_rasterio,
+}
+
+
+def results_like(given: Any, library: str | None, values: NDArray[Any]) -> Any:
+    """Values as an object like the given one, with its places and metadata; an array for arrays and rasterio."""
+    return _WRITERS[library](given, values) if library in _WRITERS else values
+
+
+def _to_xarray(given: Any, values: NDArray[Any]) -> Any:
+    return given.copy(data=values)
+
+
+def _to_nibabel(given: Any, values: NDArray[Any]) -> Any:
+    header = given.header.copy()
+    header.set_data_dtype(values.dtype)
+    return type(given)(values, given.affine, header)
+
+
+def _to_simpleitk(given: Any, values: NDArray[Any]) -> Any:
+    is_vector = values.ndim > int(given.GetDimension())
+    image = import_module("SimpleITK").GetImageFromArray(np.ascontiguousarray(values), isVector=is_vector)
+    image.CopyInformation(given)
+    for key in given.GetMetaDataKeys():
+        image.SetMetaData(key, given.GetMetaData(key))
+    return image
+
+
+def _to_pyvista(given: Any, values: NDArray[Any]) -> Any:
+    _, name, is_point = _image_data_values(given)
+    copy = given.copy()
+    rows = np.ascontiguousarray(values.reshape(-1, *values.shape[MAX_AXES:]))
+    (copy.point_data if is_point else copy.cell_data)[name] = rows
+    copy.set_active_scalars(name)
+    return copy
+
+
+def _to_vtk(given: Any, values: NDArray[Any]) -> Any:
+    return _to_pyvista(import_module("pyvista").wrap(given), values)
+
+
+_WRITERS: dict[str | None, Callable[[Any, NDArray[Any]], Any]] = {
+    "xarray": _to_xarray,
+    "nibabel": _to_nibabel,
+    "SimpleITK": _to_simpleitk,
+    "pyvista": _to_pyvista,
+    "vtk": _to_vtk,
+}
+
+
+def check_same_places(array: FoundGrid, mask: FoundGrid) -> None:
+    """Refuse a mask that lies elsewhere.
+
+    Raises
+    ------
+    ValueError
+        If both have an affine, and these differ.
+    """
+    if array.affine is None or mask.affine is None:
+        return
+    if not np.allclose(array.affine, mask.affine, rtol=1e-4, atol=1e-3):
+        raise ValueError(
+            "mask: its affine differs from that of the image; resample it, nilearn.image.resample_to_img(mask, image, "
+            "interpolation='nearest')"
+        )
