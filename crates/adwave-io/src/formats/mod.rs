@@ -13,6 +13,8 @@ pub(crate) mod csv;
 pub(crate) mod dmat;
 #[cfg(feature = "e57")]
 pub(crate) mod e57;
+#[cfg(feature = "grid")]
+pub(crate) mod esri_grid;
 #[cfg(feature = "neuro")]
 pub(crate) mod freesurfer;
 #[cfg(feature = "more")]
@@ -27,6 +29,8 @@ pub(crate) mod graph;
 pub(crate) mod las;
 #[cfg(feature = "volume")]
 pub(crate) mod medit;
+#[cfg(feature = "grid")]
+pub(crate) mod mrc;
 #[cfg(feature = "volume")]
 pub(crate) mod msh;
 #[cfg(feature = "graph")]
@@ -134,6 +138,14 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &picture::JPEG,
     #[cfg(feature = "grid")]
     &tiff::TIFF,
+    #[cfg(feature = "grid")]
+    &esri_grid::ESRI_GRID,
+    #[cfg(feature = "grid")]
+    &mrc::MRC,
+    #[cfg(feature = "grid")]
+    &npy::grid::NPY,
+    #[cfg(feature = "grid")]
+    &npy::grid::NPZ,
     #[cfg(feature = "neuro")]
     &cifti::CIFTI,
     #[cfg(feature = "neuro")]

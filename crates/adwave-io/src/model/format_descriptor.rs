@@ -143,6 +143,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) title: &'static str,
     /// File endings without the dot; empty for the second form of an ending.
     pub(crate) extensions: &'static [&'static str],
+    /// File endings that mean this format for a grid, and a format of shapes for shapes.
+    pub(crate) shared_extensions: &'static [&'static str],
     /// Endings of the whole name, such as `.dscalar.nii`, that mean another kind of file.
     pub(crate) foreign_endings: &'static [&'static str],
     /// The format whose ending this one shares, if it is the second form of it.
@@ -204,6 +206,7 @@ impl FormatDescriptor {
         format: Format::new(""),
         title: "",
         extensions: &[],
+        shared_extensions: &[],
         foreign_endings: &[],
         form_of: None,
         content: ContentKind::Mesh,
@@ -239,10 +242,21 @@ impl FormatDescriptor {
 
     /// True if the ending of a file's name, with or without `.gz` after it, means this format.
     pub(crate) fn matches_name(&self, path: &Path) -> bool {
+        self.matches_ending(path, |ending| self.extensions.contains(&ending))
+    }
+
+    /// True if the ending of the name of a grid means this format.
+    pub(crate) fn matches_grid_name(&self, path: &Path) -> bool {
+        let is_own =
+            |ending: &str| self.extensions.contains(&ending) || self.shared_extensions.contains(&ending);
+        self.content == ContentKind::Grid && self.matches_ending(path, is_own)
+    }
+
+    fn matches_ending(&self, path: &Path, is_own: impl Fn(&str) -> bool) -> bool {
         let Some(name) = path.file_name() else { return false };
         let name = name.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
-        name.rsplit_once('.').is_some_and(|(_, ending)| self.extensions.contains(&ending))
+        name.rsplit_once('.').is_some_and(|(_, ending)| is_own(ending))
             && !self.foreign_endings.iter().any(|ending| name.ends_with(ending))
     }
 }

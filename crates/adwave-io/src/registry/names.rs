@@ -133,6 +133,21 @@ impl Format {
         Self::all().find(|format| format.descriptor().matches_name(path))
     }
 
+    /// Finds the format of an image or a volume by the file's extension, with or without a following `.gz`. Some
+    /// extensions mean another format for shapes: `.asc` is an ESRI grid here, and points for [`from_path`].
+    ///
+    /// ```
+    /// use adwave_io::Format;
+    /// assert_eq!(Format::grid_from_path("dem.asc".as_ref()), Some(Format::ESRI_GRID));
+    /// assert_eq!(Format::grid_from_path("bunny.ply".as_ref()), None);
+    /// ```
+    ///
+    /// [`from_path`]: Self::from_path
+    pub fn grid_from_path(path: &Path) -> Option<Self> {
+        let own = TABLE.iter().find(|descriptor| descriptor.matches_grid_name(path));
+        own.map(|descriptor| descriptor.format)
+    }
+
     /// All formats in Markdown, with their extensions and the content read, written, kept and lost: a section of
     /// `docs/FORMATS.md`.
     ///

@@ -41,7 +41,8 @@ pub fn write_path_with(
     progress: Progress<'_>,
 ) -> Result<WriteReport, WriteError> {
     let by_name = || {
-        let named = Format::from_path(path)?;
+        let grid = shape.grid().and_then(|_| Format::grid_from_path(path));
+        let named = grid.or_else(|| Format::from_path(path))?;
         Some(shape.format.filter(|own| own.family() == named).unwrap_or(named))
     };
     let Some(format) = format.or_else(by_name) else {

@@ -175,9 +175,10 @@ fn every_truncation_is_an_error_of_one_line() {
         for end in 0..bytes.len() {
             match read(&bytes[..end], name) {
                 Err(message) => assert!(!message.contains('\n'), "{message}"),
-                // The last bytes of a PNG or a JPEG are marks behind the pixels.
+                // The last bytes of a PNG or a JPEG are marks behind the pixels, those of a text a part of a number.
                 Ok(_) => assert!(
-                    [Format::PNG, Format::JPEG].contains(&format) && end + 12 >= bytes.len(),
+                    [Format::PNG, Format::JPEG, Format::ESRI_GRID].contains(&format)
+                        && end + 12 >= bytes.len(),
                     "{format} {name} {end} of {}",
                     bytes.len()
                 ),
@@ -278,4 +279,119 @@ fn a_grid_goes_to_another_format_with_what_that_stores() {
         assert_eq!(again.grid().unwrap().steps, shape.grid().unwrap().steps);
         assert_eq!(again.grid().unwrap().kept, shape.grid().unwrap().kept);
     }
+}
+
+const ESRI: &[u8] = include_bytes!("../../src/formats/esri_grid/samples/a.asc");
+const MAP: &[u8] = include_bytes!("../../src/formats/mrc/samples/a.mrc");
+const ARRAY: &[u8] = include_bytes!("../../src/formats/npy/samples/a.npy");
+
+#[test]
+fn an_esri_grid_keeps_the_text_of_its_numbers() {
+    let shape = read(ESRI, "a.asc").unwrap();
+    let grid = shape.grid().unwrap();
+    assert_eq!((&grid.sizes[..], &grid.spacings[..]), (&[3, 4][..], &[10.0, 10.0][..]));
+    assert_eq!((grid.position(0), grid.position(11)), ([105.0, 225.0, 0.0], [135.0, 205.0, 0.0]));
+    assert_eq!(grid.n_missing(), 1);
+    let mut numbers = values(&shape);
+    (numbers[0], numbers[2]) = (1.25, f64::NAN);
+    let bytes = written(&with_values(&shape, FieldValues::F64(numbers)), Format::ESRI_GRID);
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(text.ends_with("\n1.25 2.50 -9999 4\n-9999 6 7 8\n9 10 11 1.20e1\n"), "{text}");
+    let mut new = shape.clone();
+    new.forget_original();
+    let again = read(&written(&new, Format::ESRI_GRID), "b.asc").unwrap();
+    assert_eq!(again.grid(), shape.grid());
+    assert_eq!(values(&again)[1..4], values(&shape)[1..4]);
+    let tiff = read(&written(&shape, Format::TIFF), "a.tif").unwrap();
+    assert_eq!((&tiff.grid().unwrap().steps, tiff.grid().unwrap().origin), (&grid.steps, grid.origin));
+}
+
+#[test]
+fn an_esri_grid_is_written_to_its_usual_ending() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dem.asc.gz");
+    let shape = read(ESRI, "a.asc").unwrap();
+    adwave_io::write_path(&shape, &path, None).unwrap();
+    let again = adwave_io::read_path(&path, &ReadLimits::default()).unwrap();
+    assert_eq!((again.format(), again.grid()), (Some(Format::ESRI_GRID), shape.grid()));
+    std::fs::write(folder.path().join("dem.prj"), "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\"]]").unwrap();
+    let degrees = adwave_io::read_path(&path, &ReadLimits::default()).unwrap();
+    assert!(degrees.coordinate_system().unwrap().is_geographic());
+}
+
+#[test]
+fn faults_of_esri_grids_are_told() {
+    for (old, new, expected) in [
+        ("ncols 4", "ncols 4000000000", "`ncols` is 4000000000"),
+        ("ncols 4", "ncols 5", "12 numbers instead of 15"),
+        ("ncols 4", "ncols 4.5", "`ncols` is 4.5"),
+        ("cellsize 10", "cellsize 0", "`cellsize` must be above 0"),
+        ("cellsize 10\n", "", "`cellsize` is missing"),
+        ("9 10", "9 ten", "line 9: expected a number"),
+        ("nrows 3", "nrows x", "`nrows` needs a number"),
+    ] {
+        let text = String::from_utf8_lossy(ESRI).replace(old, new);
+        let message = read(text.as_bytes(), "a.asc").unwrap_err();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn a_map_has_spacings_of_its_cell_in_angstrom() {
+    // mrcfile: 2 sections of 3 rows of 4 columns, voxels of 1.5 × 2 × 2.5, origin x 7, first section −1.
+    let shape = read(MAP, "a.mrc").unwrap();
+    let grid = shape.grid().unwrap();
+    assert_eq!((&grid.sizes[..], &grid.spacings[..]), (&[2, 3, 4][..], &[2.5, 2.0, 1.5][..]));
+    assert_eq!((grid.origin, grid.unit.as_ref().unwrap().meters()), ([7.0, 0.0, -2.5], Some(1e-10)));
+    assert_eq!(values(&shape), (0..24).map(f64::from).collect::<Vec<_>>());
+    let bytes = written(&stepped(&shape, 100.0), Format::MRC);
+    assert_eq!(f32::from_le_bytes(bytes[80..84].try_into().unwrap()), 100.0, "the greatest density");
+    assert!(refusal(&stepped(&shape, 1e5), Format::MRC).contains("i16"));
+    let mut new = with_values(&shape, FieldValues::F64(vec![0.5; 24]));
+    new.forget_original();
+    let again = read(&written(&new, Format::MRC), "b.mrc").unwrap();
+    assert_eq!((&again.grid().unwrap().spacings, values(&again)), (&grid.spacings, vec![0.5; 24]));
+}
+
+#[test]
+fn arrays_are_grids_unless_they_are_tables_of_points() {
+    let shape = read(ARRAY, "a.npy").unwrap();
+    assert_eq!(shape.grid().unwrap().sizes, [5, 6]);
+    assert_eq!(values(&shape), (0..30).map(|i| f64::from(i) / 4.0).collect::<Vec<_>>());
+    let array = |shape: &str, n: usize| {
+        let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}\n");
+        let length = (header.len() as u16).to_le_bytes();
+        let body: Vec<u8> = (0..n).map(|i| i as u8).collect();
+        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &body].concat()
+    };
+    for (sizes, n, places, n_channels) in [
+        ("5, 5, 3", 75, &[5, 5][..], 3),
+        ("3, 5, 5", 75, &[3, 5, 5][..], 1),
+        ("2, 2, 2, 2", 16, &[2, 2, 2][..], 2),
+    ] {
+        let shape = read(&array(sizes, n), "a.npy").unwrap();
+        assert_eq!(
+            (&shape.grid().unwrap().sizes[..], shape.field("values").unwrap().n_channels),
+            (places, n_channels)
+        );
+    }
+    for (sizes, n) in [("12,", 12), ("4, 3", 12), ("0, 5", 0), ("2, 2, 2, 2, 2", 32)] {
+        let message = read(&array(sizes, n), "a.npy").unwrap_err();
+        assert!(message.contains("a NumPy array of the shape"), "{message}");
+    }
+    let mut bytes = array("4, 5", 20);
+    let at = bytes.windows(5).position(|word| word == b"False").unwrap();
+    bytes[at..at + 5].copy_from_slice(b"True ");
+    let shape = read(&bytes, "a.npy").unwrap();
+    assert_eq!(shape.field("values").unwrap().get(1, 0), 4.0, "the first index runs fastest");
+    assert_eq!(values(&read(&written(&stepped(&shape, 1.0), Format::NPY), "a.npy").unwrap())[0], 1.0);
+}
+
+#[test]
+fn an_archive_is_the_one_array_that_is_a_grid() {
+    let bytes = include_bytes!("../../src/formats/npy/samples/a.npz");
+    let shape = read(bytes, "a.npz").unwrap();
+    assert_eq!(shape.grid().unwrap().sizes, [4, 5]);
+    assert!(shape.notes()[0].contains("\"elevation\""), "{:?}", shape.notes());
+    assert!(refusal(&shape, Format::NPZ).contains("read-only"));
 }

@@ -15,7 +15,7 @@ mod places;
 pub(crate) mod read;
 mod steps;
 pub(crate) mod stream;
-mod wkt;
+pub(crate) mod wkt;
 pub(crate) mod write;
 
 use adwave::vector::Axis;

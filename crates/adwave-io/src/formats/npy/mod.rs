@@ -4,5 +4,7 @@
 //! into the type of the file alone (`<i8` and `|u1` not as numbers), with a parser generator for a header of one line.
 
 pub(crate) mod columns;
+#[cfg(feature = "grid")]
+pub(crate) mod grid;
 pub(crate) mod read;
 pub(crate) mod write;

@@ -70,7 +70,7 @@ impl SourceDocument for TiffDocument {
                 return Ok(Update::Written);
             }
         } else {
-            let missing = if kind.is_integer() || kind == numbers.kind { numbers.missing } else { None };
+            let missing = numbers.missing;
             let wide = GridNumbers {
                 missing,
                 ..GridNumbers::new(kind, container.order, shape.n_vertices, field.n_channels)
