@@ -120,6 +120,7 @@ impl GridNumbers {
             (0..field.len()).map(has_data).collect::<Vec<_>>()
         });
         let kept = kept.filter(|kept| kept.contains(&false));
+        progress.check()?;
         Ok(GridValues { field, kept })
     }
 
@@ -200,9 +201,9 @@ impl GridNumbers {
             let planes = plane..(plane + n_together).min(self.n_planes);
             let mut first = 0;
             while first < n_blocks {
-                progress.step(plane as u64, self.n_planes as u64)?;
                 let blocks = first..(first + n_at_once).min(n_blocks);
                 let encode = |b: usize| -> Result<Vec<u8>, WriteError> {
+                    progress.check()?;
                     let places = b * BLOCK..((b + 1) * BLOCK).min(self.n_places);
                     let mut bytes = Vec::with_capacity(places.len() * width * planes.len());
                     for plane in planes.clone() {
@@ -218,8 +219,11 @@ impl GridNumbers {
                 let encoded: Vec<_> = blocks.clone().into_par_iter().map(encode).collect();
                 // The first misfit in the order of the places is reported.
                 let encoded = encoded.into_iter().collect::<Result<Vec<_>, _>>()?;
+                let n_rows = self.n_planes * n_blocks;
                 for k in 0..planes.len() {
-                    for bytes in &encoded {
+                    for (b, bytes) in encoded.iter().enumerate() {
+                        let row = (planes.start + k) * n_blocks + blocks.start + b;
+                        progress.step(row as u64, n_rows as u64)?;
                         let n = bytes.len() / planes.len();
                         out.write_all(&bytes[k * n..(k + 1) * n])?;
                     }
@@ -228,7 +232,7 @@ impl GridNumbers {
             }
             plane = planes.end;
         }
-        Ok(())
+        Ok(progress.check()?)
     }
 
     /// Number of a value.

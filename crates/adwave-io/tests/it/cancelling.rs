@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use adwave::shape::Polygons;
 use adwave::{ClassifiedError, ErrorKind, Progress, ProgressCounter};
 use adwave_io::{
-    Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, WriteError, read_bytes_with,
-    read_path_with, write_bytes, write_bytes_with, write_path_with,
+    Edges, Field, FieldValues, Format, GridLayout, ReadError, ReadLimits, ShapeFile, WriteError,
+    read_bytes_with, read_path_with, write_bytes, write_bytes_with, write_path_with,
 };
 
 /// A strip of triangles with a field.
@@ -24,8 +24,21 @@ fn graph() -> ShapeFile {
     ShapeFile::from_graph(20_001, Edges { pairs, ..Edges::default() })
 }
 
+fn image() -> ShapeFile {
+    let mut image = ShapeFile::from_grid(GridLayout::new(&[600, 500], &[1.0, 1.0])).unwrap();
+    let values = (0..300_000).map(|i| i as u16 % 251).collect();
+    image.add_vertex_field(Field::new("values", 1, FieldValues::U16(values))).unwrap();
+    image
+}
+
 fn shape_for(format: Format) -> ShapeFile {
-    if format.holds_graphs() { graph() } else { mesh() }
+    if format.holds_grids() {
+        image()
+    } else if format.holds_graphs() {
+        graph()
+    } else {
+        mesh()
+    }
 }
 
 fn writable() -> impl Iterator<Item = Format> {

@@ -1,8 +1,14 @@
 //! Images and volumes: what is read equals what other programs read, and what is written keeps all that was not edited.
 
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use adwave_test_data::{data_test, folder};
+use flate2::read::MultiGzDecoder;
+
 use adwave_io::{
     Field, FieldValues, Format, GridLayout, ReadLimits, ShapeFile, ValueType, WriteError, read_bytes,
-    write_bytes,
+    read_path, write_bytes,
 };
 
 const NIFTI: &[u8] = include_bytes!("../../src/formats/nifti/samples/a.nii");
@@ -312,10 +318,10 @@ fn an_esri_grid_is_written_to_its_usual_ending() {
     let path = folder.path().join("dem.asc.gz");
     let shape = read(ESRI, "a.asc").unwrap();
     adwave_io::write_path(&shape, &path, None).unwrap();
-    let again = adwave_io::read_path(&path, &ReadLimits::default()).unwrap();
+    let again = read_path(&path, &ReadLimits::default()).unwrap();
     assert_eq!((again.format(), again.grid()), (Some(Format::ESRI_GRID), shape.grid()));
     std::fs::write(folder.path().join("dem.prj"), "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\"]]").unwrap();
-    let degrees = adwave_io::read_path(&path, &ReadLimits::default()).unwrap();
+    let degrees = read_path(&path, &ReadLimits::default()).unwrap();
     assert!(degrees.coordinate_system().unwrap().is_geographic());
 }
 
@@ -394,4 +400,46 @@ fn an_archive_is_the_one_array_that_is_a_grid() {
     assert_eq!(shape.grid().unwrap().sizes, [4, 5]);
     assert!(shape.notes()[0].contains("\"elevation\""), "{:?}", shape.notes());
     assert!(refusal(&shape, Format::NPZ).contains("read-only"));
+}
+
+/// Files below a folder.
+fn files_below(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { files_below(&path, files) } else { files.push(path) }
+    }
+}
+
+#[data_test]
+fn real_images_terrains_and_volumes_come_back_byte_for_byte() {
+    let mut files = Vec::new();
+    for kind in ["images", "dem", "volumes"] {
+        files_below(&Path::new(folder!()).join("domains").join(kind), &mut files);
+    }
+    files.sort();
+    let mut n_grids = 0;
+    for path in files {
+        let name = path.display();
+        let Ok(shape) = read_path(&path, &ReadLimits::default()) else {
+            assert!(path.components().any(|part| part.as_os_str() == "nrrd"), "{name} is not read");
+            continue;
+        };
+        let grid = shape.grid().unwrap_or_else(|| panic!("{name} is no grid"));
+        assert!(grid.to_grid().is_ok() && grid.n_places() == shape.n_vertices(), "{name}");
+        n_grids += 1;
+        let format = shape.format().unwrap();
+        if !format.can_write() {
+            continue;
+        }
+        let bytes = std::fs::read(&path).unwrap();
+        let mut plain = Vec::new();
+        if MultiGzDecoder::new(&bytes[..]).read_to_end(&mut plain).is_err() {
+            plain = bytes;
+        }
+        assert!(written(&shape, format) == plain, "{name}");
+        let field = shape.field("values").unwrap();
+        let same = with_values(&shape, FieldValues::F64(field.to_f64()));
+        assert!(written(&same, format) == plain, "{name}: the same values given anew");
+    }
+    assert!(n_grids >= 25, "{n_grids}");
 }

@@ -63,6 +63,7 @@ impl SourceDocument for GridDocument {
             at = end;
         }
         out.extend_from_slice(&bytes[at..]);
+        c.progress.check()?;
         c.out.write_all(&out)?;
         Ok(Update::Written)
     }
@@ -128,6 +129,7 @@ pub(super) fn write_grid(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<
         }
         out.push(if (i + 1) % n_columns == 0 { b'\n' } else { b' ' });
     }
+    c.progress.check()?;
     c.out.write_all(&out)?;
     Ok(())
 }
