@@ -282,6 +282,22 @@ def test_saliency_and_features_find_spots() -> None:
     assert all(each.shape == (64, 80) for each in per_level) and len(per_level) > 1
 
 
+def test_maps_and_noise_are_of_the_places_in_the_mask() -> None:
+    mask = np.zeros((30, 40), dtype=bool)
+    mask[4:26, 5:20] = True
+    values = np.where(mask, noise(30, 40), 1e6)
+    grid = aw.grid(values, mask=mask)
+    salient = grid.saliency(options=aw.SaliencyOptions(per_level=True))
+    assert all(np.array_equal(np.isfinite(each), mask) for each in (salient, *salient.per_level))
+    assert mask.ravel()[grid.features()["vertex"]].all()
+    clean, info = grid.denoise()
+    assert np.array_equal(clean[~mask], values[~mask]) and 0.7 < info["noise"] < 1.3
+    bands = grid.decompose(levels=3)
+    assert (bands[:-1][:, ~mask] == 0).all() and np.abs(bands.sum(axis=0) - values).max() < 1e-9
+    unknown = aw.grid(np.where(mask, values, np.nan)).smooth(fwhm=3)
+    assert np.allclose(unknown[mask], grid.smooth(fwhm=3)[mask], atol=EXACT) and np.isnan(unknown[~mask]).all()
+
+
 def test_volumes_have_features() -> None:
     at = np.mgrid[:24, :24, :24]
     volume = np.exp(-((at - np.array([8, 12, 15]).reshape(3, 1, 1, 1)) ** 2).sum(axis=0) / 8)

@@ -582,6 +582,10 @@ class PreparedShape:
         """The signal that this is prepared with, which functions take by default; None for the coordinates."""
         return None
 
+    def _outsiders(self) -> NDArray[np.bool_] | None:
+        """Places of a grid outside of its mask; none of a shape."""
+        return None
+
     def _by_place(self) -> Layout:
         """Axes of one number for each vertex."""
         return Layout(self.n_vertices)

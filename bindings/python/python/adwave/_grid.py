@@ -431,7 +431,7 @@ class Grid(Generic[_Own]):
         Returns
         -------
         Saliency
-            An array of the shape of the grid.
+            An array of the shape of the grid, NaN outside the mask.
 
         Examples
         --------
@@ -720,6 +720,9 @@ class GridDecomposer(Decomposer):
 
     def _own_signal(self) -> SignalLike:
         return self._grid._values
+
+    def _outsiders(self) -> NDArray[np.bool_] | None:
+        return None if self._grid._kept is None else ~self._grid._kept
 
     def _by_place(self) -> Layout:
         return GridLayout.for_axes(self._grid.shape, tuple(range(self._grid.ndim)))

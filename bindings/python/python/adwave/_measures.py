@@ -189,7 +189,10 @@ def saliency(
     with report_progress(progress, "splitting") as report:
         array, each, rows, sides = _native.saliency_map(owner._data, request, weighting, options, report)
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
-    layout = owner._by_place()
+    layout, outside = owner._by_place(), owner._outsiders()
+    if outside is not None:
+        for one in (array, *each):
+            one[outside] = np.nan
     array, *each = [part.spread(layout.arrange(one[:, np.newaxis]), layout) for one in (array, *each)]
     return _restore_saliency(array, np.array(rows, dtype=kinds), sides, each)
 
