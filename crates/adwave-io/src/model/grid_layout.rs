@@ -106,6 +106,15 @@ impl GridLayout {
     }
 }
 
+/// Says how many places have no data, and the number in the file that means it; nothing if all have data.
+pub(crate) fn note_on_missing(layout: &GridLayout, missing: Option<&str>, notes: &mut Vec<String>) {
+    let (n_missing, n_places) = (layout.n_missing(), layout.n_places());
+    if n_missing > 0 {
+        let missing: String = missing.unwrap_or("NaN").chars().filter(|c| !c.is_control()).take(40).collect();
+        notes.push(format!("{missing} means no data: {n_missing} of {n_places} places"));
+    }
+}
+
 /// Lengths of the steps of the axes, 1 for a step without a length. The notes say what was assumed of steps that are no
 /// axes at right angles.
 pub(crate) fn step_lengths(steps: &[[f64; 3]], notes: &mut Vec<String>) -> Vec<f64> {

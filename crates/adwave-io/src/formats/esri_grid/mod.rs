@@ -29,8 +29,8 @@ pub(crate) static ESRI_GRID: FormatDescriptor = FormatDescriptor {
         is_grid.then_some(Evidence::Keyword)
     },
     has_lines: |_| true,
-    read: Some(|bytes, c| read::read_grid(bytes, c)),
-    write: Some(|shape, c| write::write_grid(shape, c)),
+    read: Some(read::read_grid),
+    write: Some(write::write_grid),
     samples: &[SampleFile { name: "a.asc", bytes: include_bytes!("samples/a.asc") }],
     ..FormatDescriptor::NEW
 };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::write::GridDocument;
 use crate::model::context::ReadContext;
-use crate::model::grid_layout::{GRID_VALUES, GridLayout};
+use crate::model::grid_layout::{GRID_VALUES, GridLayout, note_on_missing};
 use crate::model::numbers::{NumberError, from_text};
 use crate::text::{is_space, parse_f64, show};
 use crate::{
@@ -107,6 +107,11 @@ impl Header {
             None => Err(ReadError::Whole("the line `cellsize` is missing; add it".into())),
         };
         header.cell = [cell("cellsize", width)?, cell("cellsize", height)?];
+        if !header.layout().origin.iter().all(|x| x.is_finite()) {
+            return Err(ReadError::Whole(
+                "the position of the cells is beyond the range of numbers; correct it".into(),
+            ));
+        }
         Ok(header)
     }
 
@@ -159,14 +164,14 @@ pub(super) fn read_grid(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile
             format!("the file has {} numbers instead of {n_places}; get the whole file", values.len());
         return Err(ReadError::Whole(message));
     }
-    values.iter_mut().for_each(|x| *x = header.value(*x));
+    for x in &mut values {
+        *x = header.value(*x);
+    }
     let kept = values.iter().any(|x| x.is_nan()).then(|| values.iter().map(|x| !x.is_nan()).collect());
     let layout = GridLayout { kept, ..header.layout() };
     let mut notes = vec!["the file states no unit of length and no coordinate system".to_owned()];
-    if let Some((_, text)) = header.missing.as_ref().filter(|_| layout.kept.is_some()) {
-        let text = text.chars().take(40).collect::<String>();
-        notes.push(format!("{text} means no data: {} of {} places", layout.n_missing(), layout.n_places()));
-    }
+    let missing = header.missing.as_ref().map(|(_, text)| text.as_str());
+    note_on_missing(&layout, missing, &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.vertex_fields.push(Field::new(GRID_VALUES, 1, FieldValues::F64(values)));
     shape.format = Some(Format::ESRI_GRID);

@@ -92,7 +92,7 @@ impl Header {
         let extension = usize::try_from(number(EXTENSION, 0)).map_err(|_| {
             ReadError::byte_error(EXTENSION, "the extension has a negative length; get an intact file")
         })?;
-        let axis = |k: usize| usize::try_from(number(AXES, k) - 1).ok();
+        let axis = |k: usize| usize::try_from(number(AXES, k)).ok()?.checked_sub(1);
         let axes = [axis(0), axis(1), axis(2)];
         let is_permutation = (0..3).all(|k| axes.contains(&Some(k)));
         let axes = if is_permutation { axes.map(Option::unwrap_or_default) } else { [0, 1, 2] };

@@ -28,8 +28,8 @@ pub(crate) static MRC: FormatDescriptor = FormatDescriptor {
         (is_map && file.bytes.len() >= header::BYTES && header::is_plausible(file.bytes))
             .then_some(Evidence::Signature)
     },
-    read: Some(|bytes, c| read::read_mrc(bytes, c)),
-    write: Some(|shape, c| write::write_mrc(shape, c)),
+    read: Some(read::read_mrc),
+    write: Some(write::write_mrc),
     samples: &[SampleFile { name: "a.mrc", bytes: include_bytes!("samples/a.mrc") }],
     ..FormatDescriptor::NEW
 };

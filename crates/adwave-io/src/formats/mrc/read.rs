@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::header::Header;
 use super::write::MrcDocument;
 use crate::model::context::ReadContext;
-use crate::model::grid_layout::{GridLayout, step_lengths};
+use crate::model::grid_layout::{GridLayout, note_on_missing, step_lengths};
 use crate::model::grid_values::GridNumbers;
 use crate::{Format, LengthUnit, ReadError, ShapeFile};
 
@@ -27,6 +27,7 @@ pub(super) fn read_mrc(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile,
     let values = numbers.read(numbers.slice(&bytes, header.start, c.limits)?, c.progress)?;
     let mut notes = Vec::new();
     let layout = GridLayout { kept: values.kept, ..layout(&header, &mut notes) };
+    note_on_missing(&layout, None, &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.vertex_fields.push(values.field);
     shape.format = Some(Format::MRC);
@@ -61,9 +62,9 @@ fn layout(header: &Header, notes: &mut Vec<String>) -> GridLayout {
     };
     let steps = [step(2), step(1), step(0)];
     let mut first = origin.map(|x| if x.is_finite() { x } else { 0.0 });
-    for k in 0..3 {
+    for (k, start) in starts.iter().enumerate() {
         for (x, d) in first.iter_mut().zip(step(k)) {
-            *x += starts[k] * d;
+            *x += start * d;
         }
     }
     if !is_known {

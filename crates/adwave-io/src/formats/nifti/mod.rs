@@ -50,7 +50,7 @@ pub(crate) static NIFTI: FormatDescriptor = FormatDescriptor {
     loses: "fields other than `values`",
     recognize,
     read: Some(|bytes, c| read::read_nifti(bytes, c.limits, c.progress)),
-    write: Some(|shape, c| write::write_nifti(shape, c)),
+    write: Some(write::write_nifti),
     samples: &[
         SampleFile { name: "a.nii", bytes: include_bytes!("samples/a.nii") },
         SampleFile { name: "b.nii", bytes: include_bytes!("samples/b.nii") },

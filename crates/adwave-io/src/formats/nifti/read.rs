@@ -6,7 +6,7 @@ use adwave::Progress;
 
 use super::header::Header;
 use super::write::NiftiDocument;
-use crate::model::grid_layout::{GridLayout, step_lengths};
+use crate::model::grid_layout::{GridLayout, note_on_missing, step_lengths};
 use crate::model::grid_values::{GridNumbers, GridValues};
 use crate::{Format, LengthUnit, ReadError, ReadLimits, ShapeFile};
 
@@ -54,6 +54,7 @@ pub(super) fn read_nifti(
     let found = numbers.slice(&bytes, header.start, limits)?;
     let GridValues { field, kept } = numbers.read(found, progress)?;
     let layout = GridLayout { kept, ..layout(&header, &mut notes) };
+    note_on_missing(&layout, None, &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.format = Some(Format::NIFTI);
     shape.vertex_fields.push(field);
@@ -93,13 +94,15 @@ fn layout(header: &Header, notes: &mut Vec<String>) -> GridLayout {
 /// alone.
 fn affine(header: &Header) -> ([[f64; 3]; 3], [f64; 3]) {
     let Header { pixdim, rows, quaternion, .. } = header;
-    let is_finite = |columns: &[[f64; 3]; 3]| {
-        columns.iter().all(|column| column.iter().map(|x| x * x).sum::<f64>().sqrt().is_normal())
+    let is_finite = |columns: &[[f64; 3]; 3], origin: [f64; 3]| {
+        origin.iter().all(|x| x.is_finite())
+            && columns.iter().all(|column| column.iter().map(|x| x * x).sum::<f64>().sqrt().is_normal())
     };
     if header.sform_code > 0 {
         let columns = std::array::from_fn(|k| std::array::from_fn(|row| rows[row][k]));
-        if is_finite(&columns) {
-            return (columns, std::array::from_fn(|row| rows[row][3]));
+        let origin = std::array::from_fn(|row| rows[row][3]);
+        if is_finite(&columns, origin) {
+            return (columns, origin);
         }
     }
     if header.qform_code > 0 {
@@ -117,13 +120,14 @@ fn affine(header: &Header) -> ([[f64; 3]; 3], [f64; 3]) {
         ];
         let lengths = [pixdim[1].abs(), pixdim[2].abs(), handedness * pixdim[3].abs()];
         let columns: [[f64; 3]; 3] = std::array::from_fn(|k| rotation[k].map(|x| x * lengths[k]));
-        if is_finite(&columns) {
+        if is_finite(&columns, [x, y, z]) {
             return (columns, [x, y, z]);
         }
     }
     let column = |k: usize| {
         let mut column = [0.0; 3];
-        column[k] = pixdim[k + 1].abs();
+        let spacing = pixdim[k + 1].abs();
+        column[k] = if spacing.is_finite() { spacing } else { 0.0 };
         column
     };
     ([column(0), column(1), column(2)], [0.0; 3])

@@ -11,7 +11,7 @@ use super::write::header;
 use crate::model::context::{ReadContext, WriteContext};
 use crate::model::field::ByteOrder;
 use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
-use crate::model::grid_layout::GridLayout;
+use crate::model::grid_layout::{GridLayout, note_on_missing};
 use crate::model::grid_values::{GridNumbers, GridValues, written_field};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::progress::BYTES_PER_STEP;
@@ -43,8 +43,8 @@ pub(crate) static NPY: FormatDescriptor = FormatDescriptor {
     keeps: "type and byte order",
     loses: "spacings and position, fields other than `values`",
     recognize: |file| file.bytes.starts_with(b"\x93NUMPY").then_some(Evidence::Signature),
-    read: Some(|bytes, c| read_array(bytes, c)),
-    write: Some(|shape, c| write_array(shape, c)),
+    read: Some(read_array),
+    write: Some(write_array),
     samples: &[SampleFile { name: "a.npy", bytes: include_bytes!("samples/a.npy") }],
     ..FormatDescriptor::NEW
 };
@@ -151,14 +151,16 @@ fn array_shape(
         numbers.read(found, c.progress)?
     };
     let layout = GridLayout { kept, ..GridLayout::new(sizes, &vec![1.0; sizes.len()]) };
-    let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
-    shape.vertex_fields.push(field);
-    shape.notes.push(format!(
+    let mut notes = vec![format!(
         "the array is {} of {:?} places{}; spacings are 1",
         if sizes.len() == 2 { "an image" } else { "a volume" },
         sizes,
         if n_channels > 1 { format!(" with {n_channels} channels") } else { String::new() }
-    ));
+    )];
+    note_on_missing(&layout, None, &mut notes);
+    let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
+    shape.vertex_fields.push(field);
+    shape.notes = notes;
     Ok((shape, numbers))
 }
 

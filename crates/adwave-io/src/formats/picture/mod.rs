@@ -25,8 +25,8 @@ pub(crate) static PNG: FormatDescriptor = FormatDescriptor {
     keeps: "all other chunks, such as color profiles, resolution and texts; the number of bits",
     loses: "other numbers, spacings, positions, fields other than `values`, frames of animations after the first",
     recognize: |file| file.bytes.starts_with(b"\x89PNG\r\n\x1a\n").then_some(Evidence::Signature),
-    read: Some(|bytes, c| read::read_png(bytes, c)),
-    write: Some(|shape, c| png::write_png(shape, c)),
+    read: Some(read::read_png),
+    write: Some(png::write_png),
     samples: &[
         SampleFile { name: "a.png", bytes: include_bytes!("samples/a.png") },
         SampleFile { name: "b.png", bytes: include_bytes!("samples/b.png") },

@@ -36,8 +36,8 @@ pub(crate) static TIFF: FormatDescriptor = FormatDescriptor {
             [&b"II*\0"[..], b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| file.bytes.starts_with(magic));
         is_tiff.then_some(Evidence::Signature)
     },
-    read: Some(|bytes, c| read::read_tiff(bytes, c)),
-    write: Some(|shape, c| write::write_tiff(shape, c)),
+    read: Some(read::read_tiff),
+    write: Some(write::write_tiff),
     samples: &[
         SampleFile { name: "a.tif", bytes: include_bytes!("samples/a.tif") },
         SampleFile { name: "b.tif", bytes: include_bytes!("samples/b.tif") },

@@ -7,6 +7,7 @@ use super::page::{Page, fill_of};
 use super::tags::{self, Container, Directory};
 use super::write::TiffDocument;
 use crate::model::context::ReadContext;
+use crate::model::grid_layout::note_on_missing;
 use crate::model::grid_values::GridNumbers;
 use crate::{Format, ReadError, ShapeFile};
 
@@ -113,7 +114,7 @@ pub(super) fn read_tiff(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile
     match container.count(directory, tags::PHOTOMETRIC) {
         Some(PALETTE) => notes.push("values are numbers of the colors in a palette".into()),
         Some(WHITE_IS_ZERO) => {
-            notes.push("0 is white in this file; the numbers are as they are stored".into())
+            notes.push("0 is white in this file; the numbers are as they are stored".into());
         }
         _ => {}
     }
@@ -125,15 +126,8 @@ pub(super) fn read_tiff(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile
     }
     let (mut layout, system) = layout(&container, directory, &sizes, &mut notes);
     layout.kept = values.kept;
-    if let Some(missing) = numbers.missing
-        && layout.kept.is_some()
-    {
-        notes.push(format!(
-            "{missing:?} means no data: {} of {} places",
-            layout.n_missing(),
-            layout.n_places()
-        ));
-    }
+    let missing = container.text(directory, tags::NODATA);
+    note_on_missing(&layout, missing.as_deref().map(str::trim), &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.vertex_fields.push(values.field);
     shape.format = Some(Format::TIFF);

@@ -150,7 +150,7 @@ impl<'a> Original<'a> {
         Ok(Self { container, directories, stack, numbers, old })
     }
 
-    /// The file with other numbers in the same places; `None` if its numbers are compressed or left out.
+    /// The file with other numbers in the same places; `None` if its numbers are compressed, left out or overlap.
     fn in_place(&self, new: &[u8]) -> Option<Vec<u8>> {
         let n = self.container.bytes.len();
         let is_plain = |page: &Page| {
@@ -169,7 +169,9 @@ impl<'a> Original<'a> {
                 page.take_chunk(chunk, image, &mut bytes[range]);
             }
         }
-        Some(bytes)
+        // Strips of a damaged file may overlap each other or the tags.
+        let is_intact = Original::open(&bytes).is_ok_and(|again| again.old == new);
+        is_intact.then_some(bytes)
     }
 }
 
@@ -183,7 +185,9 @@ struct EntryOut {
 impl EntryOut {
     fn numbers<T: Number>(tag: u16, kind: u16, numbers: &[T], order: ByteOrder) -> Self {
         let mut bytes = Vec::new();
-        numbers.iter().for_each(|number| number.write_bytes(order, &mut bytes));
+        for number in numbers {
+            number.write_bytes(order, &mut bytes);
+        }
         Self { tag, kind, bytes }
     }
 
@@ -315,7 +319,9 @@ fn write_file(
         if is_big { x.write_bytes(order, out) } else { (x as u32).write_bytes(order, out) }
     };
     if is_big {
-        [43_u16, 8, 0].iter().for_each(|x| x.write_bytes(order, &mut head));
+        for x in [43_u16, 8, 0] {
+            x.write_bytes(order, &mut head);
+        }
     } else {
         42_u16.write_bytes(order, &mut head);
     }
