@@ -180,14 +180,14 @@ impl GridNumbers {
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         let mut values = self.kind.empty();
-        with_values!(&mut values, v => self.write_as(v, &Encoding { original, field, format }, out, progress))
+        with_values!(&mut values, v => self.write_as(v, &GridEncoding { original, field, format }, out, progress))
     }
 
     /// [`write`](Self::write) for the type of the (empty) list.
     fn write_as<T: GridNumber>(
         &self,
         _: &mut Vec<T>,
-        encoding: &Encoding<'_>,
+        encoding: &GridEncoding<'_>,
         out: &mut dyn Write,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
@@ -239,12 +239,12 @@ impl GridNumbers {
     #[inline]
     fn encode<T: GridNumber>(
         &self,
-        encoding: &Encoding<'_>,
+        encoding: &GridEncoding<'_>,
         plane: usize,
         place: usize,
         component: usize,
     ) -> Result<T, WriteError> {
-        let Encoding { original, field, .. } = *encoding;
+        let GridEncoding { original, field, .. } = *encoding;
         let value = field.values.get(place * field.n_channels + plane * self.n_components + component);
         if let Some(original) = original {
             let at = (plane * self.n_places + place) * self.n_components + component;
@@ -292,7 +292,7 @@ impl GridNumbers {
 
 /// Values to be encoded.
 #[derive(Clone, Copy)]
-struct Encoding<'a> {
+struct GridEncoding<'a> {
     /// Numbers of the original file.
     original: Option<&'a [u8]>,
     field: &'a Field,

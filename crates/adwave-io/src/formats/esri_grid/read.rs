@@ -18,7 +18,7 @@ const MOST_PRJ: u64 = 1 << 16;
 
 /// Lines before the numbers.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Header {
+pub(super) struct EsriHeader {
     n_columns: usize,
     n_rows: usize,
     /// Position of the first column and the last row, and true if it is that of their center.
@@ -44,7 +44,7 @@ pub(super) fn next_word(bytes: &[u8], mut at: usize) -> Option<(&[u8], usize)> {
     (start < at).then(|| (&bytes[start..at], at))
 }
 
-impl Header {
+impl EsriHeader {
     fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut header = Self::default();
         let (mut columns, mut rows, mut width, mut height) = (None, None, None, None);
@@ -140,10 +140,10 @@ impl Header {
 }
 
 pub(super) fn read_grid(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile, ReadError> {
-    let header = Header::parse(&bytes)?;
+    let header = EsriHeader::parse(&bytes)?;
     let n_found = bytes.len();
     let Some(n_places) = header.n_places().filter(|n| *n <= n_found) else {
-        let Header { n_columns, n_rows, .. } = header;
+        let EsriHeader { n_columns, n_rows, .. } = header;
         let message =
             format!("{n_columns} columns and {n_rows} rows do not fit {n_found} bytes; get the whole file");
         return Err(ReadError::Whole(message));

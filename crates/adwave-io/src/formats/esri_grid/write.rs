@@ -1,6 +1,6 @@
 //! Writer of ESRI ASCII grids.
 
-use super::read::{Header, next_word};
+use super::read::{EsriHeader, next_word};
 use crate::model::context::WriteContext;
 use crate::model::grid_values::written_field;
 use crate::model::source_document::{SourceDocument, Update};
@@ -17,7 +17,7 @@ const MISSING: f64 = -9999.0;
 #[derive(Debug)]
 pub(super) struct GridDocument {
     pub(super) bytes: Vec<u8>,
-    pub(super) header: Header,
+    pub(super) header: EsriHeader,
 }
 
 /// Writes a value as text, in the type asked for or its own.

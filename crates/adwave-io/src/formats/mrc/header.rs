@@ -23,7 +23,7 @@ pub(super) const DEVIATION: usize = 216;
 
 /// Numbers of the header.
 #[derive(Clone, Debug)]
-pub(super) struct Header {
+pub(super) struct MrcHeader {
     pub(super) order: ByteOrder,
     /// Columns, rows and sections.
     pub(super) sizes: [usize; 3],
@@ -58,7 +58,7 @@ pub(super) fn is_plausible(bytes: &[u8]) -> bool {
     (0..=101).contains(&number(MODE)) && (0..3).all(|k| number(SIZES + 4 * k) > 0)
 }
 
-impl Header {
+impl MrcHeader {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
         if bytes.len() < BYTES {
             return Err(ReadError::byte_error(bytes.len(), "the header is truncated; get the whole file"));

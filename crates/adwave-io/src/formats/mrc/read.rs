@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::header::Header;
+use super::header::MrcHeader;
 use super::write::MrcDocument;
 use crate::model::context::ReadContext;
 use crate::model::grid_layout::{GridLayout, note_on_missing, step_lengths};
@@ -18,7 +18,7 @@ pub(super) fn angstrom() -> Option<LengthUnit> {
 }
 
 pub(super) fn read_mrc(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile, ReadError> {
-    let header = Header::parse(&bytes)?;
+    let header = MrcHeader::parse(&bytes)?;
     let too_large =
         || ReadError::Whole("the sizes of the axes are beyond any file; get an intact file".into());
     let n_places =
@@ -36,8 +36,8 @@ pub(super) fn read_mrc(bytes: Vec<u8>, c: &ReadContext<'_>) -> Result<ShapeFile,
     Ok(shape)
 }
 
-fn layout(header: &Header, notes: &mut Vec<String>) -> GridLayout {
-    let Header { sizes, starts, intervals, cell, axes, origin, .. } = header;
+fn layout(header: &MrcHeader, notes: &mut Vec<String>) -> GridLayout {
+    let MrcHeader { sizes, starts, intervals, cell, axes, origin, .. } = header;
     let [a, b, c] = [cell[0], cell[1], cell[2]];
     let angle = |k: usize| {
         if cell[k] > 0.0 && cell[k] < 180.0 && cell[k] != 90.0 { cell[k].to_radians().cos() } else { 0.0 }

@@ -1,6 +1,6 @@
 //! MRC writer.
 
-use super::header::{self, Header, mode_of};
+use super::header::{self, MrcHeader, mode_of};
 use super::read::angstrom;
 use crate::model::context::WriteContext;
 use crate::model::field::{ByteOrder, Number};
@@ -15,7 +15,7 @@ const VERSION: i32 = 20140;
 #[derive(Debug)]
 pub(super) struct MrcDocument {
     pub(super) bytes: Vec<u8>,
-    pub(super) header: Header,
+    pub(super) header: MrcHeader,
     pub(super) numbers: GridNumbers,
 }
 

@@ -16,7 +16,7 @@ pub(super) enum Version {
 }
 
 /// Bytes of the header where its numbers begin.
-struct Places {
+struct HeaderPlaces {
     header: usize,
     dim: usize,
     intent: usize,
@@ -33,9 +33,9 @@ struct Places {
 }
 
 impl Version {
-    const fn places(self) -> Places {
+    const fn places(self) -> HeaderPlaces {
         match self {
-            Self::One => Places {
+            Self::One => HeaderPlaces {
                 header: 348,
                 dim: 40,
                 intent: 68,
@@ -50,7 +50,7 @@ impl Version {
                 rows: 280,
                 magic: 344,
             },
-            Self::Two => Places {
+            Self::Two => HeaderPlaces {
                 header: 540,
                 dim: 16,
                 intent: 504,
@@ -114,7 +114,7 @@ fn order(bytes: &[u8], version: Version) -> ByteOrder {
 
 /// Numbers of the header that say how values are stored and where they are.
 #[derive(Clone, Debug)]
-pub(super) struct Header {
+pub(super) struct NiftiHeader {
     pub(super) version: Version,
     pub(super) order: ByteOrder,
     /// Size of each axis; the first is contiguous.
@@ -135,7 +135,7 @@ pub(super) struct Header {
     pub(super) rows: [[f64; 4]; 3],
 }
 
-impl Header {
+impl NiftiHeader {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
         let cut = || ReadError::byte_error(bytes.len(), "the header is truncated; get the whole file");
         let version = version(bytes).ok_or_else(cut)?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
-use super::header::Header;
+use super::header::NiftiHeader;
 use super::write::NiftiDocument;
 use crate::model::grid_layout::{GridLayout, note_on_missing, step_lengths};
 use crate::model::grid_values::{GridNumbers, GridValues};
@@ -18,7 +18,7 @@ pub(super) fn read_nifti(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let header = Header::parse(&bytes)?;
+    let header = NiftiHeader::parse(&bytes)?;
     let (kind, n_components) = header.value_type().ok_or_else(|| {
         let message = format!(
             "values of type {} are not supported; save them as floats of 32 or 64 bits",
@@ -64,7 +64,7 @@ pub(super) fn read_nifti(
 }
 
 /// Axes k, j, i of the voxels, whose values run fastest along i.
-fn layout(header: &Header, notes: &mut Vec<String>) -> GridLayout {
+fn layout(header: &NiftiHeader, notes: &mut Vec<String>) -> GridLayout {
     let n = header.sizes.len().min(3);
     let sizes: Vec<usize> = header.sizes[..n].iter().rev().copied().collect();
     let (columns, origin) = affine(header);
@@ -92,8 +92,8 @@ fn layout(header: &Header, notes: &mut Vec<String>) -> GridLayout {
 
 /// Steps of the voxels along i, j and k, and position of the first voxel: the sform, else the qform, else the spacings
 /// alone.
-fn affine(header: &Header) -> ([[f64; 3]; 3], [f64; 3]) {
-    let Header { pixdim, rows, quaternion, .. } = header;
+fn affine(header: &NiftiHeader) -> ([[f64; 3]; 3], [f64; 3]) {
+    let NiftiHeader { pixdim, rows, quaternion, .. } = header;
     let is_finite = |columns: &[[f64; 3]; 3], origin: [f64; 3]| {
         origin.iter().all(|x| x.is_finite())
             && columns.iter().all(|column| column.iter().map(|x| x * x).sum::<f64>().sqrt().is_normal())

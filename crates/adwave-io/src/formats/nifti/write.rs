@@ -1,6 +1,6 @@
 //! NIfTI writer: new files, and files that were read with other values.
 
-use super::header::{Header, HeaderEditor, Version};
+use super::header::{HeaderEditor, NiftiHeader, Version};
 use crate::model::context::WriteContext;
 use crate::model::field::ByteOrder;
 use crate::model::grid_layout::GridLayout;
@@ -12,7 +12,7 @@ use crate::{Format, LengthUnit, ShapeFile, ValueType, WriteError};
 #[derive(Debug)]
 pub(super) struct NiftiDocument {
     pub(super) bytes: Vec<u8>,
-    pub(super) header: Header,
+    pub(super) header: NiftiHeader,
     pub(super) numbers: GridNumbers,
 }
 
@@ -85,7 +85,7 @@ pub(super) fn write_nifti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result
     let is_short = sizes.iter().all(|&size| size as u64 <= Version::One.most());
     let version = if is_short { Version::One } else { Version::Two };
     let kind = shape.value_type.unwrap_or(field.values.value_type());
-    let mut head = Header::new_bytes(version);
+    let mut head = NiftiHeader::new_bytes(version);
     let mut editor = HeaderEditor { bytes: &mut head, version, order: ByteOrder::Little };
     editor.set_value_type(kind);
     editor.set_sizes(&sizes);

@@ -26,20 +26,20 @@ pub(super) struct PngDocument {
 }
 
 /// Chunk of a PNG with its length and its checksum.
-struct Chunk<'a> {
+struct PngChunk<'a> {
     name: &'a [u8],
     bytes: &'a [u8],
 }
 
 /// Chunks after the signature, as far as they are complete.
-fn chunks(bytes: &[u8]) -> impl Iterator<Item = Chunk<'_>> {
+fn chunks(bytes: &[u8]) -> impl Iterator<Item = PngChunk<'_>> {
     let mut at = SIGNATURE;
     std::iter::from_fn(move || {
         let head = bytes.get(at..)?.get(..8)?;
         let n = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
         let bytes = bytes.get(at..)?.get(..n.checked_add(12)?)?;
         at += bytes.len();
-        Some(Chunk { name: &bytes[4..8], bytes })
+        Some(PngChunk { name: &bytes[4..8], bytes })
     })
 }
 
@@ -77,7 +77,7 @@ impl SourceDocument for PngDocument {
         // Bit depth and color type.
         let has_same_colors =
             head.and_then(|head| head.get(16..18)) == new_head.and_then(|head| head.get(16..18));
-        let is_kept = |chunk: &Chunk<'_>| {
+        let is_kept = |chunk: &PngChunk<'_>| {
             let is_listed = |names: &[&[u8; 4]]| names.iter().any(|name| chunk.name == *name);
             !is_listed(PIXEL_CHUNKS) && chunk.name != b"IHDR" && (has_same_colors || !is_listed(COLOR_CHUNKS))
         };

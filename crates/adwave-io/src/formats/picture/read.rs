@@ -122,7 +122,7 @@ pub(super) fn read_jpeg(bytes: &[u8], c: &ReadContext<'_>) -> Result<ShapeFile, 
     let mut pixels = decode(decoder, bytes.len(), c)?;
     if orientation != Orientation::NoTransforms {
         notes.push("the picture is turned as its EXIF orientation says".into());
-        pixels = turned(pixels, orientation);
+        pixels = turn(pixels, orientation);
     }
     let mut shape = shape(&pixels, notes, c)?;
     shape.format = Some(Format::JPEG);
@@ -130,7 +130,7 @@ pub(super) fn read_jpeg(bytes: &[u8], c: &ReadContext<'_>) -> Result<ShapeFile, 
 }
 
 /// Pixels of 8 bits, turned.
-fn turned(pixels: Pixels, orientation: Orientation) -> Pixels {
+fn turn(pixels: Pixels, orientation: Orientation) -> Pixels {
     let Pixels { width, height, n_channels, kind, bytes } = pixels;
     let image = match (n_channels, kind) {
         (1, ValueType::U8) => {

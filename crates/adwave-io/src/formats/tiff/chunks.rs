@@ -9,7 +9,7 @@ use crate::model::field::ByteOrder;
 
 /// Strip or tile, as far as it is inside the image.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct ChunkPlace {
     plane: usize,
     x: usize,
     y: usize,
@@ -18,13 +18,13 @@ struct Place {
 }
 
 impl Page {
-    fn place(&self, chunk: usize) -> Place {
+    fn place(&self, chunk: usize) -> ChunkPlace {
         let [across, down] = self.chunk_rows();
         let (plane, rest) = (chunk / (across * down), chunk % (across * down));
         let (x, y) = (rest % across * self.chunk[0], rest / across * self.chunk[1]);
         let (width, height) =
             (self.chunk[0].min(self.kind.width - x), self.chunk[1].min(self.kind.height - y));
-        Place { plane, x, y, width, height }
+        ChunkPlace { plane, x, y, width, height }
     }
 
     /// Bytes of the file that hold a strip or tile; `None` if it was left out because all of it is empty.
@@ -88,7 +88,7 @@ impl Page {
     }
 
     /// First byte in the image of a row of a strip or tile.
-    fn image_start(&self, place: Place, row: usize) -> usize {
+    fn image_start(&self, place: ChunkPlace, row: usize) -> usize {
         let pixel = (place.y + row) * self.kind.width + place.x;
         (pixel * self.kind.n_samples + place.plane) * self.number_width()
     }
