@@ -38,6 +38,8 @@ pub(crate) mod mtx;
 #[cfg(feature = "grid")]
 pub(crate) mod nifti;
 pub(crate) mod npy;
+#[cfg(feature = "grid")]
+pub(crate) mod nrrd;
 pub(crate) mod obj;
 pub(crate) mod off;
 #[cfg(feature = "pcd")]
@@ -142,6 +144,8 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &esri_grid::ESRI_GRID,
     #[cfg(feature = "grid")]
     &mrc::MRC,
+    #[cfg(feature = "grid")]
+    &nrrd::NRRD,
     #[cfg(feature = "grid")]
     &npy::grid::NPY,
     #[cfg(feature = "grid")]

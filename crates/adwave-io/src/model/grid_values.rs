@@ -101,7 +101,8 @@ impl GridNumbers {
         with_values!(&mut values, v => *v = self.gather(bytes, progress)?);
         let is_missing = |i: usize| self.is_missing(values.get(i));
         let n = values.len();
-        let has_missing = !crate::progress::all(n, progress, |i| !is_missing(i))?;
+        let may_be_missing = self.missing.is_some() || !self.kind.is_integer();
+        let has_missing = may_be_missing && !crate::progress::all(n, progress, |i| !is_missing(i))?;
         if self.is_scaled() || has_missing {
             let value = |i: usize| {
                 let x = values.get(i);

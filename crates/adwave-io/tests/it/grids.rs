@@ -420,10 +420,10 @@ fn real_images_terrains_and_volumes_come_back_byte_for_byte() {
     let mut n_grids = 0;
     for path in files {
         let name = path.display();
-        let Ok(shape) = read_path(&path, &ReadLimits::default()) else {
-            assert!(path.components().any(|part| part.as_os_str() == "nrrd"), "{name} is not read");
+        if path.extension().is_some_and(|ending| ending == "raw") {
             continue;
-        };
+        }
+        let shape = read_path(&path, &ReadLimits::default()).unwrap();
         let grid = shape.grid().unwrap_or_else(|| panic!("{name} is no grid"));
         assert!(grid.to_grid().is_ok() && grid.n_places() == shape.n_vertices(), "{name}");
         n_grids += 1;
@@ -441,5 +441,51 @@ fn real_images_terrains_and_volumes_come_back_byte_for_byte() {
         let same = with_values(&shape, FieldValues::F64(field.to_f64()));
         assert!(written(&same, format) == plain, "{name}: the same values given anew");
     }
-    assert!(n_grids >= 25, "{n_grids}");
+    assert!(n_grids >= 30, "{n_grids}");
+}
+
+#[test]
+fn a_nrrd_keeps_its_header_and_its_encoding() {
+    let bytes = include_bytes!("../../src/formats/nrrd/samples/a.nrrd");
+    let shape = read(bytes, "a.nrrd").unwrap();
+    let grid = shape.grid().unwrap();
+    assert_eq!((&grid.sizes[..], &grid.spacings[..]), (&[2, 3, 4][..], &[2.5, 2.0, 2.0][..]));
+    assert_eq!((grid.origin, grid.steps[2]), ([10.0, -20.0, 5.0], [-2.0, 0.0, 0.0]));
+    assert_eq!(
+        (values(&shape), grid.unit.as_ref().unwrap().name()),
+        ((0..24).map(f64::from).collect(), "millimeter")
+    );
+    let mut edited = stepped(&shape, 0.5);
+    edited.set_value_type(Some(ValueType::F64));
+    let wide = written(&edited, Format::NRRD);
+    assert!(String::from_utf8_lossy(&wide).contains("# kept\ntype: double\n"));
+    assert_eq!(values(&read(&wide, "a.nrrd").unwrap()), values(&edited));
+    // Two components at each place, as gzip.
+    let vectors = read(include_bytes!("../../src/formats/nrrd/samples/b.nrrd"), "b.nrrd").unwrap();
+    let (grid, field) = (vectors.grid().unwrap(), vectors.field("values").unwrap());
+    assert_eq!((&grid.sizes[..], &grid.spacings[..], field.n_channels), (&[4, 3][..], &[0.25, 0.5][..], 2));
+    assert_eq!((field.get(0, 1), field.get(1, 0)), (0.25, 0.5));
+    let mut new = shape.clone();
+    new.forget_original();
+    assert_eq!(read(&written(&new, Format::NRRD), "c.nrrd").unwrap().grid(), shape.grid());
+}
+
+#[test]
+fn a_detached_nrrd_is_read_from_its_own_folder_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 2\nencoding: raw\ndata file: ";
+    std::fs::write(folder.path().join("a.raw"), [1, 2, 3, 4]).unwrap();
+    let path = folder.path().join("a.nhdr");
+    std::fs::write(&path, format!("{head}a.raw\n")).unwrap();
+    let shape = read_path(&path, &ReadLimits::default()).unwrap();
+    assert_eq!(values(&shape), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(
+        values(&read(&written(&stepped(&shape, 1.0), Format::NRRD), "a.nhdr").unwrap()),
+        [2.0, 2.0, 3.0, 4.0]
+    );
+    for name in ["../a.raw", "/etc/hostname", "a%d.raw 1 2 1"] {
+        std::fs::write(&path, format!("{head}{name}\n")).unwrap();
+        let message = read_path(&path, &ReadLimits::default()).unwrap_err().to_string();
+        assert!(message.contains("folder of the header only"), "{message}");
+    }
 }
