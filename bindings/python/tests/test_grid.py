@@ -498,6 +498,8 @@ def test_rasters() -> None:
             grid = aw.grid(dataset)
             assert grid.shape == (20, 30) and grid.spacing == (20.0, 10.0)
             found = grid.smooth(fwhm=60)
+            kept = aw.grid(dataset, keep_dtype=True).smooth(fwhm=60)
+    assert kept.dtype == np.float32
     assert found.shape == (1, 20, 30) and np.array_equal(np.isnan(found), heights == -9999)
 
 

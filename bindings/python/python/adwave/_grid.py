@@ -59,7 +59,18 @@ class Grid(Generic[_Own]):
     (64, 64)
     """
 
-    __slots__ = ("_decomposer", "_found", "_given", "_kept", "_layout", "_values", "keep_dtype", "periodic", "spacing")
+    __slots__ = (
+        "_decomposer",
+        "_found",
+        "_given",
+        "_kept",
+        "_layout",
+        "_original",
+        "_values",
+        "keep_dtype",
+        "periodic",
+        "spacing",
+    )
 
     #: Distance between places along each axis of the grid.
     spacing: tuple[float, ...]
@@ -80,6 +91,8 @@ class Grid(Generic[_Own]):
     ) -> None:
         found = find_grid(array, axes)
         self._values = plain_array(found.values)
+        # With the entries under a mask and in the number type that it had.
+        self._original = np.ma.getdata(found.values) if isinstance(found.values, np.ndarray) else self._values
         given = axes if found.axes is None else found.axes
         self._layout = GridLayout.for_axes(self._values.shape, grid_axes(self._values.shape, given))
         self._given, self._found = array, replace(found, values=None)
@@ -534,10 +547,7 @@ class Grid(Generic[_Own]):
     def _result(self, values: Any, signal: Any) -> Any:
         """Values in the number type and the kind of object of their signal."""
         if self.keep_dtype:
-            own = getattr(self._given, "values", self._values) if self._found.library == "xarray" else self._values
-            if self._found.library is None and isinstance(self._given, np.ndarray):
-                own = np.ma.getdata(self._given)
-            values = _in_dtype(values, own if signal is None else np.ma.getdata(np.ma.asarray(signal)))
+            values = _in_dtype(values, self._original if signal is None else np.ma.getdata(np.ma.asarray(signal)))
         if signal is not None:
             return values
         return results_like(self._given, self._found.library, values)
