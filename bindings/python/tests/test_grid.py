@@ -428,8 +428,9 @@ def test_nibabel_images() -> None:
     assert aw.grid(frames).shape == (6, 7, 5) and aw.grid(frames).smooth(fwhm=4).shape == (6, 7, 5, 3)
     sheared = affine.copy()
     sheared[0, 2] = 1.0
-    with pytest.warns(UserWarning, match="sheared"):
+    with pytest.warns(UserWarning, match="sheared") as caught:
         aw.grid(nibabel.Nifti1Image(values, sheared))
+    assert caught[0].filename == __file__
     integers = nibabel.Nifti1Image((1000 * values).astype(np.int16), affine)
     again = nibabel.Nifti1Image.from_bytes(aw.grid(integers).smooth(fwhm=6).to_bytes())
     assert np.allclose(again.get_fdata(), aw.grid(integers.get_fdata(), grid.spacing).smooth(fwhm=6))

@@ -225,7 +225,7 @@ class Grid(Generic[_Own]):
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
     ) -> _Own | Values:
-        """Smooth a signal by one width: the kernel is a discrete Gaussian that keeps constants, sums and the range.
+        """Smooth a signal by one width, with a discrete Gaussian: constants, sums and the range are kept to the accuracy.
 
         Parameters
         ----------
@@ -577,7 +577,7 @@ class Grid(Generic[_Own]):
         lengths = " × ".join(f"{h:g}" for h in self.spacing)
         n = self._layout.n_channels
         parts = [f"{sizes} places", f"spacing {lengths}"]
-        parts += [f"{n} channels"] if self._layout.channels else []
+        parts += [f"{n} channel{'s' if n > 1 else ''}"] if self._layout.channels else []
         parts += [f"{np.count_nonzero(self._kept)} in the mask"] if self._kept is not None else []
         parts += [f"periodic along {', '.join(str(i) for i, each in enumerate(self.periodic) if each)}"] * any(
             self.periodic

@@ -183,7 +183,7 @@ def _read_nibabel(given: Any, _: Any) -> FoundGrid:
             f"array: the affine of the image is sheared (cosine {cosines:.3g} between two axes); lengths are taken along the "
             "columns of the affine: resample the image for exact ones",
             UserWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
     return FoundGrid(values, tuple(range(n)), [*map(float, lengths[:n]), *[None] * (values.ndim - n)], affine=affine)
 
@@ -242,7 +242,7 @@ def _read_rasterio(given: Any, _: Any) -> FoundGrid:
             "array: the raster is in degrees, which are shorter from east to west than from north to south; lengths are "
             "degrees: reproject it for meters",
             UserWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
     return FoundGrid(given.read(masked=True), (1, 2), spacing)
 
