@@ -33,7 +33,7 @@ impl Transform {
     ) -> Result<EvaluationInfo, BandsError> {
         let operator = self.operator();
         let (n, weights, accuracy) = (operator.n_rows(), operator.weights(), self.params().accuracy);
-        let centered = match operator.invariant() {
+        let centered = || match operator.invariant() {
             Invariant::Constants => without_mean(signal, n_channels, n, weights),
             Invariant::Nothing => signal.to_vec(),
         };
@@ -42,12 +42,11 @@ impl Transform {
             parallel::sum(n, |x| weights.weight(x, n) * square(x)).sqrt()
         };
         let steps = schedule.steps_from_zero();
-        let mut missed = None;
+        let mut missed: Option<(usize, f64)> = None;
         for margin in MARGINS {
             let asked = (margin * accuracy).max(FINEST_ACCURACY);
-            let (mut now, mut next, mut error, mut worst) =
-                (centered.clone(), zeros(signal.len()), 0.0, 0.0_f64);
-            missed = None;
+            let (mut now, mut next, mut error, mut worst) = (centered(), zeros(signal.len()), 0.0, 0.0_f64);
+            let before_that = missed.take();
             let mut n_leaps = 0;
             for (level, pair) in steps.windows(2).enumerate() {
                 progress.step(level as u64, schedule.n_levels() as u64)?;
@@ -73,7 +72,8 @@ impl Transform {
                 let info = EvaluationInfo { products: n_leaps, terms: n_leaps, ..EvaluationInfo::default() };
                 return Ok(EvaluationInfo { error_bound: worst, ..info });
             }
-            if asked <= FINEST_ACCURACY {
+            // Leaps that are as accurate as they can be.
+            if asked <= FINEST_ACCURACY || missed == before_that {
                 break;
             }
         }
@@ -122,5 +122,5 @@ fn without_mean(signal: &[f64], n_channels: usize, n: usize, weights: RowWeights
     let means: Vec<f64> = (0..n_channels)
         .map(|c| parallel::sum(n, |x| weights.weight(x, n) * signal[x * n_channels + c]) / total)
         .collect();
-    signal.chunks_exact(n_channels).flat_map(|row| row.iter().zip(&means).map(|(v, m)| v - m)).collect()
+    parallel::collect(signal.len(), |i| signal[i] - means[i % n_channels])
 }

@@ -86,7 +86,9 @@ impl Transform {
         params: &BandsParams,
     ) -> Result<Self, BandsError> {
         let params = params.validate()?;
-        check_operator(&*operator)?;
+        if !operator.keeps_promises() {
+            check_operator(&*operator)?;
+        }
         let engine = engine(&*operator, &params);
         Ok(Self { operator, params, engine, prepared: Arc::default() })
     }

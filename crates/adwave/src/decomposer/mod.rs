@@ -156,7 +156,7 @@ impl Decomposer {
         if n_rows != n_places {
             return Err(DomainError::RowCount { n_rows, n_places });
         }
-        let positions = Some(domain.positions()).filter(|points| !points.is_empty()).map(<[_]>::len);
+        let positions = Some(domain.n_positions()).filter(|n| *n > 0);
         let lengths = [("the measure", domain.measure().map(<[_]>::len)), ("the positions", positions)];
         for (what, n_found) in lengths {
             if let Some(n_found) = n_found.filter(|n_found| *n_found != n_places) {
@@ -405,10 +405,12 @@ impl Decomposer {
     }
 
     /// Default accuracy of the bands of maps and features: 1e-4 for heat on a mesh, whose triangles cause larger errors,
-    /// and that of [`BandsParams`] otherwise.
+    /// and on a grid, whose coarse bands of noise would take hundreds of products otherwise; that of [`BandsParams`] in
+    /// all other cases.
     pub fn analysis_accuracy(&self) -> f64 {
         let is_mesh = self.shape().is_some_and(Shape::is_mesh);
-        if is_mesh && self.operator_kind() == OperatorKind::Surface {
+        let is_grid = self.shape().is_none() && matches!(self.operator().semigroup(), Semigroup::Heat { .. });
+        if is_grid || is_mesh && self.operator_kind() == OperatorKind::Surface {
             1e-4
         } else {
             BandsParams::default().accuracy

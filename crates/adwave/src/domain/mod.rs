@@ -78,6 +78,11 @@ pub trait Domain: Debug + Send + Sync {
         &[]
     }
 
+    /// Length of [`positions`](Self::positions), for a domain that computes them on demand.
+    fn n_positions(&self) -> usize {
+        self.positions().len()
+    }
+
     /// Size in model units, without the flagged places, from which default levels and lengths in percent follow; 0
     /// without positions.
     fn extent(&self, _masked: Option<&[bool]>) -> f64 {

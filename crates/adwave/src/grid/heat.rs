@@ -4,6 +4,7 @@ use super::Axes;
 use super::lines::{APPROXIMATIONS, Lines};
 use crate::operator::{DiffusionError, Leap, Operator, Semigroup};
 use crate::{Cancelled, Progress, parallel};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Values that a thread computes at a time, about.
@@ -62,27 +63,23 @@ impl Operator for GridHeat {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        let axes = &self.axes;
-        let rate = self.rate();
-        let weights: Vec<(usize, f64)> =
-            axes.long().map(|axis| (axis, self.side_weight(axis) / (4.0 * rate))).collect();
-        let is_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept[place]);
-        let at_a_time = VALUES_AT_A_TIME.div_ceil(n_channels);
-        parallel::try_visit_rows(out, n_channels, at_a_time, progress, |first, rows| {
-            for (row, out) in rows.chunks_exact_mut(n_channels).enumerate() {
-                let place = first + row;
+        let (axes, rate) = (&self.axes, self.rate());
+        let last = axes.sizes.len() - 1;
+        let row_len = axes.sizes[last] * n_channels;
+        let at_a_time = VALUES_AT_A_TIME.div_ceil(row_len);
+        parallel::try_visit_rows(out, row_len, at_a_time, progress, |first, rows| {
+            for (k, out) in rows.chunks_exact_mut(row_len).enumerate() {
+                let start = (first + k) * axes.sizes[last];
                 out.fill(0.0);
-                if !is_kept(place) {
-                    continue;
-                }
-                let here = &x[place * n_channels..][..n_channels];
-                for &(axis, weight) in &weights {
-                    let sides = axes.sides(axis, place, axes.coordinate(axis, place));
-                    for other in sides.into_iter().flatten().filter(|&other| is_kept(other)) {
-                        let there = &x[other * n_channels..][..n_channels];
-                        for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
-                            *out += weight * (here - there);
-                        }
+                for axis in axes.long() {
+                    let weight = self.side_weight(axis) / (4.0 * rate);
+                    let pairs = Pairs { x, n_channels, kept: self.kept.as_deref(), weight };
+                    let row = start..start + axes.sizes[last];
+                    if axis == last {
+                        pairs.add_along(&row, axes.is_periodic[axis], out);
+                    } else {
+                        let sides = axes.sides(axis, start, axes.coordinate(axis, start));
+                        sides.into_iter().flatten().for_each(|other| pairs.add(row.clone(), other, out));
                     }
                 }
             }
@@ -103,8 +100,64 @@ impl Operator for GridHeat {
         Ok(Some(Arc::new(Self { axes: self.axes.clone(), kept: Some(kept) })))
     }
 
+    fn keeps_promises(&self) -> bool {
+        true
+    }
+
     fn leap(&self) -> Option<&dyn Leap> {
         self.kept.is_none().then_some(self)
+    }
+}
+
+/// Differences of a signal between places and places at a distance.
+struct Pairs<'a> {
+    x: &'a [f64],
+    n_channels: usize,
+    kept: Option<&'a [bool]>,
+    weight: f64,
+}
+
+impl Pairs<'_> {
+    /// Adds the weighted differences of a row of places and the places from `other` on to `out`; none where one of the
+    /// two is left out.
+    fn add(&self, row: Range<usize>, other: usize, out: &mut [f64]) {
+        let (n, d) = (row.len(), self.n_channels);
+        let here = &self.x[row.start * d..][..n * d];
+        let there = &self.x[other * d..][..n * d];
+        let weight = self.weight;
+        let Some(kept) = self.kept else {
+            for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
+                *out += weight * (here - there);
+            }
+            return;
+        };
+        let both = kept[row].iter().zip(&kept[other..][..n]).map(|(a, b)| a & b);
+        if d == 1 {
+            for (((out, here), there), both) in out.iter_mut().zip(here).zip(there).zip(both) {
+                let difference = weight * (here - there);
+                *out += if both { difference } else { 0.0 };
+            }
+            return;
+        }
+        let values = out.chunks_exact_mut(d).zip(here.chunks_exact(d)).zip(there.chunks_exact(d));
+        for (((out, here), there), _) in values.zip(both).filter(|(_, both)| *both) {
+            for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
+                *out += weight * (here - there);
+            }
+        }
+    }
+
+    /// Adds the differences between adjacent places of a row, and between its ends if it is a ring.
+    fn add_along(&self, row: &Range<usize>, is_ring: bool, out: &mut [f64]) {
+        let (Range { start, end }, d) = (row.clone(), self.n_channels);
+        if is_ring {
+            self.add(start..start + 1, end - 1, &mut out[..d]);
+        }
+        self.add(start + 1..end, start, &mut out[d..]);
+        self.add(start..end - 1, start + 1, &mut out[..(end - 1 - start) * d]);
+        if is_ring {
+            self.add(end - 1..end, start, &mut out[(end - 1 - start) * d..]);
+        }
     }
 }
 

@@ -8,6 +8,8 @@
 
 // The digits of poles and residues have no groups.
 #![allow(clippy::unreadable_literal)]
+// Functions that are compiled for the vectors of the machine must be inlined into the place that chooses these.
+#![allow(clippy::inline_always)]
 
 use super::Axes;
 use crate::{Cancelled, Progress, parallel};
@@ -116,7 +118,7 @@ impl Lines {
         let mut tiles = crate::pages::zeros(n_lines.div_ceil(TOGETHER) * tile_len);
         let given: &[f64] = values;
         parallel::try_visit_rows(&mut tiles, tile_len, AT_A_TIME, progress, |first, rows| {
-            let mut work = Work::new(n);
+            let (mut work, arch) = (Work::new(n), pulp::Arch::new());
             for (k, tile) in rows.chunks_exact_mut(tile_len).enumerate() {
                 let line = (first + k) * TOGETHER;
                 let n_here = TOGETHER.min(n_lines - line);
@@ -129,7 +131,7 @@ impl Lines {
                 if is_leveled {
                     level(tile);
                 } else {
-                    work.diffuse(tile, &solvers, time, is_ring);
+                    arch.dispatch(DiffuseTile { work: &mut work, tile, solvers: &solvers, time, is_ring });
                 }
             }
         })?;
@@ -232,6 +234,24 @@ impl Solver {
     }
 }
 
+/// [`Work::diffuse`] with the vectors of this machine.
+struct DiffuseTile<'a> {
+    work: &'a mut Work,
+    tile: &'a mut [f64],
+    solvers: &'a [Solver],
+    time: f64,
+    is_ring: bool,
+}
+
+impl pulp::NullaryFnOnce for DiffuseTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.work.diffuse(self.tile, self.solvers, self.time, self.is_ring);
+    }
+}
+
 /// Values of lines that are solved together, at one place.
 type Together = [f64; TOGETHER];
 
@@ -250,6 +270,7 @@ impl Work {
     }
 
     /// Replaces the lines of a tile, n × [`TOGETHER`], by r(−sD) of them.
+    #[inline(always)]
     fn diffuse(&mut self, tile: &mut [f64], solvers: &[Solver], time: f64, is_ring: bool) {
         let values = tile.as_chunks_mut::<TOGETHER>().0;
         let n = values.len();
@@ -283,6 +304,7 @@ impl Work {
     }
 
     /// Solves `(sD + z)u = right` into the real and imaginary parts.
+    #[inline(always)]
     fn solve(&mut self, solver: &Solver, time: f64) {
         let n = self.right.len();
         let (mut re, mut im) = ([0.0; TOGETHER], [0.0; TOGETHER]);

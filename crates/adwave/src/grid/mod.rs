@@ -27,6 +27,7 @@ pub use heat::GridHeat;
 
 use crate::domain::Domain;
 use crate::shape::{Adjacency, VertexMap};
+use crate::vector::add_scaled;
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -83,15 +84,26 @@ impl ClassifiedError for GridError {
     }
 }
 
-/// Places of an image or a volume, in the order of its values: the last axis is contiguous.
+/// Places of an image or a volume, in the order of its values: the last axis is contiguous. The place (i, j, k) is at
+/// (i, j, k) times the spacings, unless [`with_frame`](Self::with_frame) puts it elsewhere.
 #[derive(Clone, Debug)]
 pub struct Grid {
     axes: Axes,
     map: VertexMap,
     /// Places that belong to the data; all if `None`.
     kept: Option<Arc<[bool]>>,
+    frame: Frame,
     positions: OnceLock<Vec<[f64; 3]>>,
     spacing: [f64; 1],
+}
+
+/// Place of the axes in space.
+#[derive(Clone, Debug, PartialEq)]
+struct Frame {
+    /// Position of the first place.
+    origin: [f64; 3],
+    /// Step of each axis.
+    steps: Vec<[f64; 3]>,
 }
 
 /// Sizes, spacings and borders of the axes.
@@ -140,8 +152,7 @@ impl Axes {
 }
 
 impl Grid {
-    /// The grid with these sizes and spacings (model units) of its axes, whose borders reflect. The place (i, j, k) is
-    /// at (i, j, k) times the spacings, and missing axes are 0.
+    /// The grid with these sizes and spacings (model units) of its axes, whose borders reflect.
     ///
     /// # Errors
     /// [`GridError`] unless there are 1 to 3 sizes of at least 1 with a positive spacing each, and fewer than 2³² places.
@@ -159,7 +170,9 @@ impl Grid {
         let is_periodic = vec![false; sizes.len()];
         let axes = Axes { sizes: sizes.to_vec(), spacings: spacings.to_vec(), is_periodic };
         let (map, spacing) = (VertexMap::identity(axes.n_places()), [axes.finest()]);
-        Ok(Self { axes, map, kept: None, positions: OnceLock::new(), spacing })
+        let step = |axis: usize| std::array::from_fn(|c| if c == axis { axes.spacings[axis] } else { 0.0 });
+        let frame = Frame { origin: [0.0; 3], steps: (0..sizes.len()).map(step).collect() };
+        Ok(Self { axes, map, kept: None, frame, positions: OnceLock::new(), spacing })
     }
 
     /// This grid with axes that repeat where the flag is set, as angles do.
@@ -172,6 +185,21 @@ impl Grid {
             return Err(GridError::Axes { what: "flag", n_sizes, n_found: is_periodic.len() });
         }
         self.axes.is_periodic = is_periodic.to_vec();
+        Ok(self)
+    }
+
+    /// This grid with its first place at `origin` and a step of each axis in space, for positions of features and
+    /// regions. Spacings stay: heat takes the axes as orthogonal.
+    ///
+    /// # Errors
+    /// [`GridError`] unless there is one step for each axis.
+    pub fn with_frame(mut self, origin: [f64; 3], steps: &[[f64; 3]]) -> Result<Self, GridError> {
+        let n_sizes = self.axes.sizes.len();
+        if steps.len() != n_sizes {
+            return Err(GridError::Axes { what: "step", n_sizes, n_found: steps.len() });
+        }
+        self.frame = Frame { origin, steps: steps.to_vec() };
+        self.positions = OnceLock::new();
         Ok(self)
     }
 
@@ -228,18 +256,18 @@ impl Domain for Grid {
 
     fn positions(&self) -> &[[f64; 3]] {
         self.positions.get_or_init(|| {
-            let axes = &self.axes;
-            let coordinate = |place: usize, axis: usize| {
-                if axis < axes.sizes.len() {
-                    axes.coordinate(axis, place) as f64 * axes.spacings[axis]
-                } else {
-                    0.0
-                }
-            };
+            let (axes, frame) = (&self.axes, &self.frame);
             crate::parallel::collect(axes.n_places(), |place| {
-                std::array::from_fn(|axis| coordinate(place, axis))
+                let steps = frame.steps.iter().enumerate();
+                steps.fold(frame.origin, |at, (axis, step)| {
+                    add_scaled(&at, axes.coordinate(axis, place) as f64, step)
+                })
             })
         })
+    }
+
+    fn n_positions(&self) -> usize {
+        self.n_places()
     }
 
     fn extent(&self, masked: Option<&[bool]>) -> f64 {

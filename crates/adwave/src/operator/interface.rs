@@ -197,6 +197,12 @@ pub trait Operator: Debug + Send + Sync {
         1
     }
 
+    /// True if the promises above hold by construction. Otherwise a product with three vectors checks them when bands are
+    /// prepared.
+    fn keeps_promises(&self) -> bool {
+        false
+    }
+
     /// The way to take many steps at once, if there is one that is faster than products. Bands then use it.
     fn leap(&self) -> Option<&dyn Leap> {
         None

@@ -1,5 +1,5 @@
 //! Built-in shapes for tests, benchmarks and first steps: sphere, torus, bumpy plane, knot, a creature with fine
-//! skin and a machined bracket.
+//! skin and a machined bracket; an image and a volume.
 //!
 //! Each is computed on demand; the same name and number of vertices give the same bits on any number of threads.
 //! Closed forms of the first four shapes and the volume of the bracket are known; the creature represents a scanned
@@ -10,6 +10,7 @@
 mod bracket;
 mod cell;
 mod creature;
+mod grids;
 mod implicit;
 mod knot;
 mod noise;
@@ -23,6 +24,7 @@ mod tests;
 mod torus;
 mod weave;
 
+pub use grids::{GRID_SAMPLE_NAMES, GridSample};
 pub use noise::{NoiseSigma, add_noise};
 
 use crate::shape::Polygons;
@@ -143,7 +145,7 @@ impl ClassifiedError for SampleError {
 }
 
 fn names() -> String {
-    SAMPLE_NAMES.map(|info| info.name).join(", ")
+    SAMPLE_NAMES.iter().chain(&GRID_SAMPLE_NAMES).map(|info| info.name).collect::<Vec<_>>().join(", ")
 }
 
 /// A generated shape: vertices in model units with y up, and triangles counter-clockwise as seen from outside.

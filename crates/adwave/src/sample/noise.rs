@@ -43,12 +43,7 @@ pub fn add_noise(
     if points.len() != normals.len() {
         return Err(SampleError::NormalsMismatch { n_points: points.len(), n_normals: normals.len() });
     }
-    if !(sigma.is_finite() && sigma >= 0.0) {
-        return Err(SampleError::BadSigma { sigma });
-    }
-    if sigma > MAX_COORDINATE / LARGEST_DEVIATE {
-        return Err(SampleError::BadSigma { sigma });
-    }
+    check_sigma(sigma)?;
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     for (point, normal) in points.iter_mut().zip(normals) {
         let deviate: f64 = StandardNormal.sample(&mut random);
@@ -57,6 +52,15 @@ pub fn add_noise(
         }
     }
     Ok(())
+}
+
+/// Refuses a standard deviation that is negative, NaN, or so large that a value may exceed the largest coordinate.
+pub(super) fn check_sigma(sigma: f64) -> Result<(), SampleError> {
+    if (0.0..=MAX_COORDINATE / LARGEST_DEVIATE).contains(&sigma) {
+        Ok(())
+    } else {
+        Err(SampleError::BadSigma { sigma })
+    }
 }
 
 /// Draws `n_points` points uniformly by area from the faces of `sample`, with the unit normals of their faces: the
