@@ -3,6 +3,7 @@
 
 use crate::model::field::COORDS;
 use crate::model::format_descriptor::SurfaceSize;
+use crate::model::grid_layout::GRID_VALUES;
 use crate::registry::values::read_value_file;
 use crate::unknown::{UnknownValue, mark_unknown};
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
@@ -50,9 +51,13 @@ impl ClassifiedError for NamedSignalError {
 /// Name of the signal with the sum of the weights at each node of a graph.
 pub const DEGREE: &str = "degree";
 
-/// Default signal of a shape: its coordinates, or the degree of a graph's nodes.
+/// Default signal of a shape: its coordinates, the degree of a graph's nodes, or the values of an image or a volume.
 pub fn default_signal(file: &ShapeFile) -> &'static str {
-    if file.points().is_empty() { DEGREE } else { COORDS }
+    match file.grid() {
+        Some(_) => GRID_VALUES,
+        None if file.points().is_empty() => DEGREE,
+        None => COORDS,
+    }
 }
 
 /// Signal on the vertices: n_vertices × n_channels, row-major.
@@ -263,6 +268,9 @@ pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 
 /// file without its extensions.
 pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut values: Vec<f64>) -> Field {
     if let Some(old) = file.field(name) {
+        if file.value_type.is_some_and(|kind| !kind.is_integer()) {
+            return Field::new(name, n_channels, FieldValues::F64(values));
+        }
         if old.values.value_type().is_integer() {
             let missing = values.iter_mut().enumerate().filter(|(_, x)| x.is_nan());
             missing.for_each(|(k, x)| *x = old.values.get(k));

@@ -81,6 +81,9 @@ pub enum ShapeFileError {
     /// A mesh was requested, but there are no faces.
     #[error("the file has no faces, so it cannot be used as a mesh")]
     NoFaces,
+    /// The file has an image or a volume (see [`ShapeFile::grid`]).
+    #[error("the file holds an image or a volume, and a shape is needed")]
+    NoShape,
     /// A graph was requested, but there are no edges.
     #[error("the file has no edges, so it cannot be used as a graph")]
     NoEdges,
@@ -140,8 +143,11 @@ impl ShapeFile {
     /// Converts to a shape of the given kind; both share points and faces.
     ///
     /// # Errors
-    /// The errors of [`to_shape`](Self::to_shape), and missing faces of a mesh or edges of a graph.
+    /// The errors of [`to_shape`](Self::to_shape), missing faces of a mesh or edges of a graph, and an image or a volume.
     pub fn to_shape_as(&self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
+        if self.grid.is_some() {
+            return Err(ShapeFileError::NoShape);
+        }
         Ok(match kind {
             ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
             ShapeKind::Mesh => {

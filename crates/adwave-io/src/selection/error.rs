@@ -85,6 +85,16 @@ pub enum SelectionError {
         /// Numbers per vertex.
         n_channels: usize,
     },
+    /// The mask of an image or a volume has other places.
+    #[error(
+        "the mask {mask} must have the places of the file that it is for: {what}; resample it to that grid"
+    )]
+    MaskGrid {
+        /// Name of the file.
+        mask: String,
+        /// The difference.
+        what: String,
+    },
     /// There is no such file.
     #[error("there is no mask file '{mask}'; give a .npy, .csv, .gii, .label or .annot file")]
     NoMask {

@@ -14,6 +14,7 @@ pub use mask::{MaskFile, MaskSide};
 use crate::{CoordinatePrecision, Field, FieldValues, ShapeFile, named_axis};
 use flagged::{FlagRule, flagged_points};
 use mask::read_mask;
+use std::sync::Arc;
 
 /// Vertices that take part in a computation: those that fulfill all conditions, are in the mask, and are not flagged as
 /// withheld or noise.
@@ -97,7 +98,11 @@ impl Selection {
         if n_flagged > 0 {
             keep_where(&mut keep, |i| !flagged[i]);
         }
-        let file = if keep.contains(&false) { file.select_rows(&keep)? } else { file };
+        let file = match keep.contains(&false) {
+            true if file.grid().is_some() => keep_places(file, &keep),
+            true => file.select_rows(&keep)?,
+            false => file,
+        };
         Ok(SelectedShape { file, n_before, n_flagged, mask_meaning })
     }
 
@@ -117,6 +122,16 @@ impl Selection {
             leaves_out_withheld: !is_asked("classification_flags"),
         })
     }
+}
+
+/// A file with an image or a volume in which only the flagged places have data.
+fn keep_places(mut file: ShapeFile, keep: &[bool]) -> ShapeFile {
+    if let Some(layout) = &mut file.grid {
+        let n_places = layout.n_places();
+        let kept = Arc::make_mut(layout).kept.get_or_insert_with(|| vec![true; n_places]);
+        kept.iter_mut().zip(keep).for_each(|(kept, keep)| *kept &= keep);
+    }
+    file
 }
 
 /// Drops the vertices for which `holds` is false, and returns the number of vertices for which it is true.
