@@ -22,7 +22,7 @@ pub(crate) struct LevelArgs {
     #[arg(long, value_name = "N,N,…", value_parser = number, value_delimiter = ',', conflicts_with_all = ["levels", "lengths"])]
     pub(crate) steps: Option<Vec<f64>>,
     /// Largest error of a band, relative to the band: 1e-13 to 0.1 [default: 1e-10, for saliency and features by heat on
-    /// a mesh 1e-4]
+    /// a mesh or a grid 1e-4]
     #[arg(long, value_name = "E", value_parser = number)]
     pub(crate) accuracy: Option<f64>,
     /// Levels with these widths σ, increasing, in model units or in % of the diagonal. σ is the root mean square

@@ -30,7 +30,7 @@ pub(crate) use local_fit::LocalFitArgs;
 pub(crate) use normals::NormalArgs;
 pub(crate) use operator::{OPERATOR_OPTIONS, OperatorArgs, WALK_OPTIONS};
 pub(crate) use parse::{
-    count, count_from_one, length, number, parse_named, region, seed, shared_noise, size,
+    count, count_from_one, length, number, parse_named, region, seed, shared_noise, size, value_type,
 };
 pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;

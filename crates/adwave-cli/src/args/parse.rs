@@ -3,6 +3,7 @@
 use adwave::denoise::SharedNoise;
 use adwave::region::{Length, Region, RegionSyntaxError, parse_region};
 use adwave::{NamedEntry, NamedValue};
+use adwave_io::ValueType;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 
@@ -44,6 +45,12 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
 /// Reads a number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "must be a number".to_owned())
+}
+
+/// Reads the name of a type of numbers.
+pub(crate) fn value_type(text: &str) -> Result<ValueType, String> {
+    let found = ValueType::ALL.into_iter().find(|kind| kind.name() == text.trim());
+    found.ok_or_else(|| format!("must be one of {}", ValueType::ALL.map(ValueType::name).join(", ")))
 }
 
 /// Reads a treatment of noise that neighbors share.

@@ -1,6 +1,6 @@
 //! The signal that is split, filtered or analyzed.
 
-use adwave_io::COORDS;
+use adwave_io::{COORDS, ShapeFile, default_signal};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub(crate) struct SignalArgs {
         long = "signal",
         visible_alias = "field",
         value_name = "NAME",
-        help = concat!("Signal on the shape: ", signal_names!(), " [default: coords]"),
+        help = concat!("Signal on the shape: ", signal_names!(), " [default: coords; of an image or a volume its values]"),
         help_heading = "Signal"
     )]
     signal: Option<String>,
@@ -41,9 +41,10 @@ impl SignalArgs {
         self.signal.as_deref()
     }
 
-    /// The name that was asked for, else that of the coordinates.
-    pub(crate) fn name(&self) -> &str {
-        self.asked_name().unwrap_or(COORDS)
+    /// The name that was asked for, else that of the values of an image or a volume, else that of the coordinates.
+    pub(crate) fn name_on(&self, file: &ShapeFile) -> &str {
+        let usual = if file.grid().is_some() { default_signal(file) } else { COORDS };
+        self.asked_name().unwrap_or(usual)
     }
 
     /// These arguments with another default name.

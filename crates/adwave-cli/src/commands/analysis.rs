@@ -41,6 +41,8 @@ pub(crate) struct AnalysisArgs<'a> {
 pub(crate) struct Analysis {
     pub(crate) input: Input,
     pub(crate) decomposer: Decomposer,
+    /// Name of the signal.
+    pub(crate) name: String,
     pub(crate) signal: Signal,
     pub(crate) schedule: Schedule,
     params: BandsParams,
@@ -129,7 +131,7 @@ impl Analysis {
         let params = check_levels(levels)?;
         input.check_lengths(&levels.given_lengths())?;
         let mut watch = Stopwatch::start();
-        let name = signal.name();
+        let name = signal.name_on(&input.file);
         // The signal comes first: a name that does not exist is reported before the operator is built.
         let signal = load_signal(global, &input, name, signal.texture.as_deref())?;
         let operator = if is_of_paper {
@@ -138,6 +140,7 @@ impl Analysis {
             operator_for_analysis(&shape.operator, levels, &input.shape)?
         };
         let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
+        let name = name.to_owned();
         let extent = extent.unwrap_or_else(|| feature_extent(&decomposer));
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
@@ -146,7 +149,7 @@ impl Analysis {
             Some(_) => params,
             None => params.with_accuracy(decomposer.analysis_accuracy()),
         };
-        Ok(Self { input, decomposer, signal, schedule, params, map_params, levels_reason, seconds })
+        Ok(Self { input, decomposer, name, signal, schedule, params, map_params, levels_reason, seconds })
     }
 
     /// Requests a result from the bands of the signal, and records the time.
@@ -276,12 +279,13 @@ impl Analysis {
     }
 
     /// `NAME: N vertices, coords`, and a line with the reason for the number of levels.
-    pub(crate) fn headline(&self, signal: &str) -> String {
+    pub(crate) fn headline(&self) -> String {
         let n = self.decomposer.n_vertices();
         let masked = self.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
         let masked = if masked > 0 { format!(", {masked} of them masked") } else { String::new() };
-        let n = count(n, "vertex", "vertices");
-        format!("{}: {n}{masked}, {signal}\n{}\n", self.input.name, self.levels_reason)
+        let [one, many] = self.input.row_words();
+        let n = count(n, one, many);
+        format!("{}: {n}{masked}, {}\n{}\n", self.input.name, self.name, self.levels_reason)
     }
 
     /// A width in % of the diagonal; none on a graph.

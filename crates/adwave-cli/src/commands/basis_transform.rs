@@ -78,7 +78,7 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
     let kind = OutputKind::from_path(&args.output)?;
     check_writable(&args.output)?;
     let input = load_shape(&args.shape, global)?;
-    let name = args.signal.name();
+    let name = args.signal.name_on(&input.file);
     let of_faces = if family == Family::Haar { find_face_field(&input, name) } else { None };
     let signal = match of_faces {
         Some(field) => BasisSignal::from_face_field(field),
@@ -369,7 +369,7 @@ fn report(
     error: Option<f64>,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let (name, n_levels, d) = (args.signal.name(), job.sizes.len() - 1, job.n_channels);
+    let (name, n_levels, d) = (args.signal.name_on(&job.input.file), job.sizes.len() - 1, job.n_channels);
     let mut squares = vec![0.0; n_levels + 2];
     let mut counts = vec![0_usize; n_levels + 2];
     for (i, &level) in all.levels.iter().enumerate() {

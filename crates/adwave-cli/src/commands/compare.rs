@@ -64,11 +64,11 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let params = check_levels(&args.levels)?;
     make_folder(&args.output)?;
     let method = args.method.name();
-    let field = match (args.method, args.signal.name()) {
+    let input = load_shape(&args.shape, global)?;
+    let field = match (args.method, args.signal.name_on(&input.file)) {
         (Method::FeatureMap, COORDS) => CURVATURE,
         (_, name) => name,
     };
-    let input = load_shape(&args.shape, global)?;
     input.check_lengths(&args.levels.given_lengths())?;
     let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();

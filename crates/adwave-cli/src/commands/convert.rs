@@ -48,6 +48,10 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
         let applies = "applies to a selection (--only or --mask), and without one all points are written";
         global.given.refuse(&["--all-points"], applies)?;
     }
+    if input.file.grid().is_some() {
+        let applies = format!("applies to shapes, and all places of {} are written", input.name);
+        global.given.refuse(&["--only", "--mask"], &applies)?;
+    }
     if selection.is_restricted() {
         let selection = SelectionUse { selection, rest: Rest::IsDropped };
         input.file = select(input.file, &input.name, selection, global)?;
@@ -61,7 +65,7 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
         global,
         &format!(
             "{}, {}, {}\n{output}\n",
-            count(n_vertices, "vertex", "vertices"),
+            input.count_rows(),
             count(n_faces, "face", "faces"),
             count(file.vertex_fields().len(), "field", "fields")
         ),

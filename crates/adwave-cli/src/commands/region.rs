@@ -103,7 +103,7 @@ fn check(path: &Path) -> Result<(), CliError> {
 
 fn write(global: &Global<'_>, path: &Path, mut input: Input, weights: Vec<f64>) -> Result<(), CliError> {
     let field = Field::new(WEIGHT, 1, FieldValues::F64(weights));
-    write_field(global, path, ValuesFile::from_path(path), &mut input.file, field)
+    write_field(global, path, ValuesFile::choose(path, &input.file), &mut input.file, field)
 }
 
 /// Part of a shape that a region covers.

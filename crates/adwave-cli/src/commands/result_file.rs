@@ -3,12 +3,13 @@
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::values_file::{ValuesFile, unsuitable_format_among, write_field};
-use crate::output::{check_writable, output_format, write_shape};
+use crate::output::{check_writable, note, output_format, write_shape};
+use crate::resolve::applicable::article;
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, keep_left_out_values, named_axis,
-    with_axis, written_signal,
+    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, ValueType, keep_left_out_values,
+    named_axis, with_axis, written_signal,
 };
 use std::path::Path;
 
@@ -38,8 +39,9 @@ impl<'a> ResultFile<'a> {
         Ok(Self { path })
     }
 
-    /// Refuses a path that fields of faces cannot be written to, if the signal is one.
-    pub(crate) fn check_cells(&self, input: &Input) -> Result<(), CliError> {
+    /// Refuses a path that cannot hold the places of the signal: those of an image or a volume, or faces.
+    pub(crate) fn check_places(&self, input: &Input) -> Result<(), CliError> {
+        check_places(self.path, input)?;
         let is_suitable = ValuesFile::from_path(self.path).is_some()
             || Format::from_path(self.path).is_some_and(Format::holds_face_fields);
         if input.mesh_of_cells.is_none() || is_suitable {
@@ -117,6 +119,15 @@ impl<'a> ResultFile<'a> {
                     mesh.add_face_field(field)?;
                     return write_shape(global, mesh, self.path).map(|_| ());
                 }
+                if input.file.grid().is_some() && field.values.value_type().is_integer() {
+                    let kind = field.values.value_type().name();
+                    note(
+                        global,
+                        &format!(
+                            "{signal} is rounded to whole numbers ({kind}), as in its file; --value-type f32 keeps fractions"
+                        ),
+                    );
+                }
                 keep_left_out_values(&mut input.file, signal, &field)?;
                 if alone == Some(ValuesFile::Csv) && channel_names.len() == field.n_channels {
                     let columns = split_channels(&field, &channel_names);
@@ -130,6 +141,38 @@ impl<'a> ResultFile<'a> {
         }
         write_field(global, self.path, alone, &mut input.file, field)
     }
+}
+
+/// Refuses a file of shapes for values of an image or a volume, and the other way round.
+pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
+    let kind = ValuesFile::choose(path, &input.file);
+    let is_grid = input.file.grid().is_some();
+    let fits = if is_grid { kind.is_some() } else { kind != Some(ValuesFile::Grid) };
+    if fits {
+        return Ok(());
+    }
+    let holds = if is_grid { "shapes" } else { "images and volumes" };
+    Err(CliError::Input(format!(
+        "{}: the format holds {holds}, and {} is {} {}; use its own format or .npy",
+        path.display(),
+        input.name,
+        article(input.kind_name()),
+        input.kind_name()
+    )))
+}
+
+/// Sets the type of the numbers that an image or a volume is written with.
+pub(crate) fn set_value_type(
+    input: &mut Input,
+    value_type: Option<ValueType>,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    if input.file.grid().is_none() {
+        let applies = format!("applies to images and volumes, and {} is a {}", input.name, input.kind_name());
+        return global.given.refuse(&["--value-type"], &applies);
+    }
+    input.file.set_value_type(value_type);
+    Ok(())
 }
 
 /// The channels of a field as fields of these names.

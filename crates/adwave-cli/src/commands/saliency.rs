@@ -1,6 +1,7 @@
 //! `adwave saliency`: a map of where a signal stands out.
 
 use super::analysis::{Analysis, AnalysisArgs, Map};
+use super::result_file::check_places;
 use crate::args::{
     BorderMaskArgs, GivenWalkArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, number as parse_number,
 };
@@ -79,7 +80,7 @@ impl SaliencyArgs {
 }
 
 pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let alone = ValuesFile::from_path(&args.output);
+    let mut alone = ValuesFile::from_path(&args.output);
     if alone.is_none() && !holds_fields(&args.output) {
         return Err(unsuitable_format(&args.output, "a map is", &[".npy", ".csv", ".gii"]));
     }
@@ -104,6 +105,8 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     let mut analysis = Analysis::new(args.analysis(), global)?;
     // The map goes into a new file: the bytes of the old one need not be kept while the bands are computed.
     release_source(&mut analysis.input.file, &args.output);
+    check_places(&args.output, &analysis.input)?;
+    alone = ValuesFile::choose(&args.output, &analysis.input.file);
     let map = analysis.saliency(&args.map, &args.border, global)?;
     let levels = if args.per_level {
         saliency_per_level(&analysis.decomposer, &map.wavelets, &map.params, global.progress())
@@ -130,7 +133,7 @@ fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
 
 fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &Map) -> Result<(), CliError> {
     let saliency = &map.saliency;
-    let mut text = analysis.headline(args.signal.name());
+    let mut text = analysis.headline();
     text += &format!("{}\n\n", map.sides());
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
@@ -155,7 +158,7 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     let json = json!({
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
-        "field": args.signal.name(),
+        "field": analysis.name,
         "vertices": analysis.decomposer.n_vertices(),
         "operator": analysis.decomposer.operator_kind().name(),
         "sides": map.sides_json(),

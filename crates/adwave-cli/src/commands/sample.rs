@@ -7,7 +7,7 @@ use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{check_writable, count, output_format, print, table, write_shape};
 use crate::resolve::shape::{SampleSize, make_sample};
-use adwave::sample::SAMPLE_NAMES;
+use adwave::sample::{GRID_SAMPLE_NAMES, SAMPLE_NAMES, SampleInfo};
 use adwave_io::ShapeFile;
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -20,6 +20,7 @@ Examples:
   adwave sample creature -o creature.ply
   adwave sample knot --vertices 200000 --noise 0.3 --seed 7 -o noisy.obj
   adwave sample sphere --as cloud -o points.ply
+  adwave sample hills -o hills.tif              an image; 'head' is a volume (.nii.gz)
   adwave sample terrain --points 1e8 -o scan     a folder of LAZ files")]
 pub(crate) struct SampleArgs {
     /// Name of the shape; without it the shapes are listed
@@ -33,7 +34,8 @@ pub(crate) struct SampleArgs {
     /// Write a mesh, or only its vertices as a cloud
     #[arg(long = "as", value_name = "KIND", value_enum)]
     pub(crate) kind: Option<SampleKind>,
-    /// Noise along the normals: its standard deviation in mean edge lengths
+    /// Noise along the normals, its standard deviation in mean edge lengths; of an image or a volume, noise of the
+    /// values in multiples of their standard deviation
     #[arg(long, value_name = "S", value_parser = number)]
     pub(crate) noise: Option<f64>,
     /// Seed of the noise
@@ -57,7 +59,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
         global.given.refuse(&options, "applies to a sample, and none is named")?;
         return list(global);
     };
-    if name != terrain::NAME && !SAMPLE_NAMES.iter().any(|sample| sample.name == name) {
+    if name != terrain::NAME && !all_samples().any(|sample| sample.name == name) {
         // The error names the samples.
         make_sample(name, &SampleSize::default())?;
     }
@@ -84,6 +86,9 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     output_format(output)?;
     check_writable(output)?;
     let size = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
+    if GRID_SAMPLE_NAMES.iter().any(|sample| sample.name == name) {
+        global.given.refuse(&["--as"], &format!("applies to shapes, and {name} is an image or a volume"))?;
+    }
     let mut file = with_spinner(global, "shaping", || make_sample(name, &size))?;
     match args.kind {
         None | Some(SampleKind::Mesh) => {}
@@ -93,12 +98,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());
     print(
         global,
-        &format!(
-            "{name}: {}, {}\n{}\n",
-            count(n_vertices, "vertex", "vertices"),
-            count(n_faces, "face", "faces"),
-            output.display()
-        ),
+        &format!("{name}: {}\n{}\n", describe(&file), output.display()),
         &json!({
             "sample": name,
             "vertices": n_vertices,
@@ -108,17 +108,36 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     )
 }
 
+/// The size of a sample: `100 vertices, 196 faces`, or `image, 256 × 256`.
+fn describe(file: &ShapeFile) -> String {
+    match file.grid() {
+        Some(grid) => {
+            let kind = if grid.sizes.len() == 2 { "image" } else { "volume" };
+            let sizes: Vec<String> = grid.sizes.iter().map(usize::to_string).collect();
+            format!("{kind}, {}", sizes.join(" × "))
+        }
+        None => format!(
+            "{}, {}",
+            count(file.n_vertices(), "vertex", "vertices"),
+            count(file.faces().len(), "face", "faces")
+        ),
+    }
+}
+
+/// All samples but the terrain.
+fn all_samples() -> impl Iterator<Item = &'static SampleInfo> {
+    SAMPLE_NAMES.iter().chain(&GRID_SAMPLE_NAMES)
+}
+
 fn list(global: &Global<'_>) -> Result<(), CliError> {
     let text = table(
         ["sample", "vertices", "description"],
-        SAMPLE_NAMES
-            .iter()
+        all_samples()
             .map(|s| [s.name.to_owned(), s.default_vertices.to_string(), s.description.to_owned()])
             .chain([[terrain::NAME, &terrain::DEFAULT_POINTS.to_string(), terrain::DESCRIPTION]
                 .map(str::to_owned)]),
     );
-    let json = SAMPLE_NAMES
-        .iter()
+    let json = all_samples()
         .map(
             |s| json!({"name": s.name, "description": s.description, "default_vertices": s.default_vertices}),
         )

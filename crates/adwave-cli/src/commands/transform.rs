@@ -1,5 +1,6 @@
 //! `adwave transform`: all bands of a signal.
 
+use super::result_file::check_places;
 use crate::args::{
     GivenWalkArgs, LabelArgs, LevelArgs, ShapeArgs, SignalArgs, number as parse_number, parse_named,
 };
@@ -32,12 +33,14 @@ Output by extension:
   .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy
   .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
   .gii        the fields W1 … WJ and SJ, which sum to the signal, as 32-bit floats
+  .nii .tif   of an image or a volume, the same as J+1 channels
 
 Examples:
   adwave transform bunny.obj -o bands.npz --levels 8
   adwave transform brain.ply -o bands.vtp --signal thickness
   adwave transform pial.gii.gz -o bands.func.gii --signal thick.gii.gz --fwhm 4,8,16
   adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity
+  adwave transform volume.nii.gz -o bands.nii.gz --fwhm 4,8,16
   adwave transform fsaverage5.gii -o c.npz --basis butterfly --signal sulc5.gii --keep 0.1
 
 With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level; as fields of a shape, --inverse reads them back.")]
@@ -71,7 +74,8 @@ pub(crate) struct TransformArgs {
 #[derive(Clone, Copy)]
 enum BandsFile {
     Npz,
-    Gifti,
+    /// Values alone.
+    Alone(ValuesFile),
     Fields,
 }
 
@@ -124,9 +128,18 @@ fn resolve(
     watch.lap();
     let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     input.check_lengths(&args.levels.given_lengths())?;
-    let name = args.signal.name();
+    let name = args.signal.name_on(&input.file);
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
+    let file = match file {
+        BandsFile::Npz => file,
+        _ => {
+            check_places(&args.output, &input)?;
+            ValuesFile::choose(&args.output, &input.file)
+                .filter(|kind| *kind == ValuesFile::Grid)
+                .map_or(file, BandsFile::Alone)
+        }
+    };
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
@@ -138,7 +151,8 @@ fn resolve(
 fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
     match Format::from_path(path) {
         _ if has_extension(path, &["npz"]) => Ok(BandsFile::Npz),
-        Some(Format::GIFTI) => Ok(BandsFile::Gifti),
+        Some(Format::GIFTI) => Ok(BandsFile::Alone(ValuesFile::Gifti)),
+        Some(format) if format.holds_grids() => Ok(BandsFile::Alone(ValuesFile::Grid)),
         _ if holds_fields(path) => Ok(BandsFile::Fields),
         _ => Err(unsuitable_format(path, "bands are", &[".npz", ".gii"])),
     }
@@ -152,8 +166,8 @@ fn write(
 ) -> Result<(), CliError> {
     match job.file {
         BandsFile::Npz => with_spinner(global, "writing", || write_npz(global, &args.output, job, bands)),
-        BandsFile::Gifti => {
-            with_spinner(global, "writing", || write_gifti(global, &args.output, &job.input, bands))
+        BandsFile::Alone(kind) => {
+            with_spinner(global, "writing", || write_alone(global, &args.output, kind, &job.input, bands))
         }
         BandsFile::Fields => write_fields(global, &args.output, job, bands),
     }
@@ -168,7 +182,7 @@ fn report(
 ) -> Result<(), CliError> {
     let energy = bands.energy(&job.decomposer.areas())?;
     let diagonal = job.decomposer.extent();
-    let name = args.signal.name();
+    let name = args.signal.name_on(&job.input.file);
     let mut text = format!(
         "{}: {}, {} of {name}\n{}\n\n",
         job.input.name,
@@ -231,7 +245,10 @@ fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands
     let all_wavelets = &bands.as_slice()[..levels * bands.n_vertices * d];
     let spread = file.file_rows().map(|rows| rows.spread_values(all_wavelets, d));
     let wavelet = spread.as_deref().unwrap_or(all_wavelets);
-    let (scaling_shape, wavelet_shape) = ([levels + 1, n, d], [levels, n, d]);
+    // Of an image or a volume, an axis for each of its axes.
+    let sizes = file.grid().map_or_else(|| vec![n], |grid| grid.sizes.clone());
+    let shape = |n_arrays: usize| [&[n_arrays][..], &sizes, &[d]].concat();
+    let (scaling_shape, wavelet_shape) = (shape(levels + 1), shape(levels));
     let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
     let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
         ("scaling", &scaling_shape, ArrayValues::F64(&scaling)),
@@ -248,7 +265,13 @@ fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands
 }
 
 /// Writes the fields W1 … WJ and SJ without the shape.
-fn write_gifti(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+fn write_alone(
+    global: &Global<'_>,
+    path: &Path,
+    kind: ValuesFile,
+    input: &Input,
+    bands: &Bands,
+) -> Result<(), CliError> {
     let n_levels = bands.n_levels();
     let name = |j: usize| if j < n_levels { format!("W{}", j + 1) } else { format!("S{n_levels}") };
     let size = bands.n_vertices * bands.n_channels;
@@ -256,7 +279,7 @@ fn write_gifti(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -
         Field::new(name(j), bands.n_channels, FieldValues::F64(values.to_vec()))
     };
     let fields: Vec<Field> = bands.as_slice().chunks_exact(size).enumerate().map(field).collect();
-    ValuesFile::Gifti.write(global, path, &fields, &input.file)
+    kind.write(global, path, &fields, &input.file)
 }
 
 /// Writes the shape with the fields S0 … SJ and W1 … WJ.

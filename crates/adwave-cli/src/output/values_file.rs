@@ -1,11 +1,12 @@
-//! Files that hold values and no shape: `.npy`, `.csv`, `.gii`, `.dscalar.nii` and `.dtseries.nii`.
+//! Files that hold values and no shape: `.npy`, `.csv`, `.gii`, `.dscalar.nii` and `.dtseries.nii`, and images and
+//! volumes for values on the places of another one.
 
-use super::{has_extension, note, write_file, write_file_with, write_shape};
+use super::{clone_for_output, has_extension, note, write_file, write_file_with, write_shape};
 use crate::error::CliError;
 use crate::global::Global;
 use adwave_io::{
-    ArrayValues, COORDS, CiftiColumns, Field, Format, ShapeFile, rewrite_values, write_cifti_fields,
-    write_csv_fields, write_gifti_fields, write_npy,
+    ArrayValues, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile, ValueType,
+    rewrite_values, write_cifti_fields, write_csv_fields, write_gifti_fields, write_npy,
 };
 use std::path::Path;
 
@@ -20,6 +21,8 @@ pub(crate) enum ValuesFile {
     Gifti,
     /// Dense scalars or series of one structure.
     Cifti(CiftiColumns),
+    /// An image or a volume with the places of the one that was read.
+    Grid,
 }
 
 impl ValuesFile {
@@ -34,20 +37,28 @@ impl ValuesFile {
         match Format::from_path(path) {
             Some(Format::CSV) => Some(Self::Csv),
             Some(Format::GIFTI) => Some(Self::Gifti),
+            Some(format) if format.holds_grids() => Some(Self::Grid),
             _ => None,
         }
+    }
+
+    /// The kind that the extension of a path asks for, for values on the places of `file`: some endings are those of
+    /// images too.
+    pub(crate) fn choose(path: &Path, file: &ShapeFile) -> Option<Self> {
+        let kind = Self::from_path(path);
+        let is_image = file.grid().is_some() && Format::grid_from_path(path).is_some();
+        if is_image && kind != Some(Self::Npy) { Some(Self::Grid) } else { kind }
     }
 
     /// The kind for an edited signal, if it goes alone into `path`. Positions of a shape do so as an array only, and a
     /// field of the shape's own file goes back into a file of that format.
     pub(crate) fn choose_for_edited_signal(path: &Path, signal: &str, file: &ShapeFile) -> Option<Self> {
-        let kind = Self::from_path(path)?;
+        let kind = Self::choose(path, file)?;
+        let format = if kind == Self::Grid { Format::grid_from_path(path) } else { Format::from_path(path) };
         let goes_back = if signal == COORDS {
             kind != Self::Npy
         } else {
-            file.field(signal).is_some()
-                && file.format().is_some()
-                && file.format() == Format::from_path(path)
+            file.field(signal).is_some() && file.format().is_some() && file.format() == format
         };
         (!goes_back).then_some(kind)
     }
@@ -61,6 +72,9 @@ impl ValuesFile {
         fields: &[Field],
         file: &ShapeFile,
     ) -> Result<(), CliError> {
+        if self == Self::Grid {
+            return write_grid(global, path, fields, file);
+        }
         let fields: Vec<Field> = fields.iter().map(|field| file.in_file_rows(field.clone())).collect();
         if let Self::Cifti(columns) = self {
             let Some(structure) = file.structure() else {
@@ -85,9 +99,9 @@ impl ValuesFile {
             });
         }
         write_file_with(global, path, |path| match self {
-            Self::Npy => write_array(path, &fields),
+            Self::Npy => write_array(path, &fields, file),
             Self::Csv => write_csv_fields(path, &fields),
-            Self::Gifti | Self::Cifti(_) => write_gifti_fields(path, &fields, file.structure()),
+            Self::Gifti | Self::Cifti(_) | Self::Grid => write_gifti_fields(path, &fields, file.structure()),
         })
     }
 
@@ -170,12 +184,46 @@ pub(crate) fn write_field(
     write_shape(global, file, path).map(|_| ())
 }
 
-/// The channels of all fields beside each other, one row for each vertex.
-fn write_array(path: &Path, fields: &[Field]) -> Result<(), adwave_io::WriteError> {
+/// The channels of all fields beside each other, one row for each vertex; of an image or a volume, an axis for each of
+/// its axes.
+fn write_array(path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), adwave_io::WriteError> {
     let n = fields.first().map_or(0, Field::len);
-    let n_channels: usize = fields.iter().map(|field| field.n_channels).sum();
+    let n_channels = count_channels(fields);
+    let mut shape = file.grid().map_or_else(|| vec![n], |grid| grid.sizes.clone());
+    if n_channels != 1 {
+        shape.push(n_channels);
+    }
+    write_npy(path, &shape, ArrayValues::F64(&join(fields)))
+}
+
+fn count_channels(fields: &[Field]) -> usize {
+    fields.iter().map(|field| field.n_channels).sum()
+}
+
+/// The channels of all fields beside each other.
+fn join(fields: &[Field]) -> Vec<f64> {
     let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
-    let values: Vec<f64> = (0..n).flat_map(row).collect();
-    let shape = if n_channels == 1 { vec![n] } else { vec![n, n_channels] };
-    write_npy(path, &shape, ArrayValues::F64(&values))
+    (0..fields.first().map_or(0, Field::len)).flat_map(row).collect()
+}
+
+/// Writes fields as the channels of an image or a volume, as floats of 32 bits unless the one that was read has floats
+/// of 64.
+fn write_grid(global: &Global<'_>, path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), CliError> {
+    if file.grid().is_none() {
+        return Err(CliError::Input(format!(
+            "{}: an image or a volume is written for values of an image or a volume alone; use .npy",
+            path.display()
+        )));
+    }
+    let mut grid = clone_for_output(file, path);
+    let is_double = file.field(GRID_VALUES).is_some_and(|field| field.values.value_type() == ValueType::F64);
+    let values = join(fields);
+    let (kind, values) = if is_double {
+        (ValueType::F64, FieldValues::F64(values))
+    } else {
+        (ValueType::F32, FieldValues::F32(values.iter().map(|v| *v as f32).collect()))
+    };
+    grid.set_value_type(Some(kind));
+    grid.add_vertex_field(Field::new(GRID_VALUES, count_channels(fields), values))?;
+    write_shape(global, &grid, path).map(|_| ())
 }

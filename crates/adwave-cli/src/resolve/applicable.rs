@@ -4,7 +4,6 @@ use super::shape::{Input, POINTS};
 use crate::args::WALK_OPTIONS;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::health::kind_name;
 use crate::output::note;
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::shape::Shape;
@@ -15,7 +14,7 @@ pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Res
     let given = global.given;
     let Some(first) = inputs.first() else { return Ok(()) };
     let any = |is_it: fn(&Input) -> bool| inputs.iter().any(|input| is_it(input));
-    let described = format!("{} is a {}", first.name, kind_name(&first.shape));
+    let described = format!("{} is {} {}", first.name, article(first.kind_name()), first.kind_name());
     if !any(|input| input.shape.is_mesh()) {
         given
             .refuse(&["--rings", "--mesh-area", "--weld"], &format!("applies to meshes, and {described}"))?;
@@ -30,6 +29,11 @@ pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Res
         given.refuse(&["--no-weld"], &format!("applies to meshes and clouds, and {described}"))?;
     }
     check_source_options(inputs, global)
+}
+
+/// The article before the name of a kind of shape.
+pub(crate) fn article(kind: &str) -> &'static str {
+    if kind == "image" { "an" } else { "a" }
 }
 
 /// Refuses options that do not go with the files or samples that the shapes come from.

@@ -6,15 +6,17 @@ pub(crate) use crate::args::GivenLength;
 use crate::args::{OPERATOR_OPTIONS, SelectionArgs, ShapeArgs, to_path};
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::health::kind_name;
 use crate::output::progress::with_spinner;
 use crate::output::{count, note};
 use adwave::region::Length;
-use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::Shape;
+use adwave::sample::{GridSample, NoiseSigma, Sample};
+use adwave::shape::{Graph, Shape};
 use adwave::{ClassifiedError, Decomposer, ErrorKind};
 use adwave_io::{
-    CloudPart, Direction, Edges, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile,
-    ShapeKind, read_bytes, read_cloud_part_with, read_path_with,
+    CloudPart, Direction, Edges, FaceCells, Field, FieldValues, GRID_VALUES, GridLayout, MovedNormals,
+    ReadError, SelectedShape, Selection, ShapeFile, ShapeKind, read_bytes, read_cloud_part_with,
+    read_path_with,
 };
 use std::io::Read;
 
@@ -47,7 +49,17 @@ pub(crate) enum Carrier {
 impl Input {
     /// The words for one row of a signal and for several.
     pub(crate) fn row_words(&self) -> [&'static str; 2] {
-        if self.mesh_of_cells.is_some() { ["face", "faces"] } else { ["vertex", "vertices"] }
+        if self.mesh_of_cells.is_some() { ["face", "faces"] } else { row_words(&self.file) }
+    }
+
+    /// `mesh`, `cloud`, `graph`, `sequence`, `image` or `volume`.
+    pub(crate) fn kind_name(&self) -> &'static str {
+        match self.file.grid().map(|grid| grid.sizes.len()) {
+            Some(1) => "sequence",
+            Some(2) => "image",
+            Some(_) => "volume",
+            None => kind_name(&self.shape),
+        }
     }
 
     /// The number of rows of a signal in words.
@@ -185,7 +197,12 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             Some(selection) => select(file, &name, SelectionUse { selection, rest: Rest::Stays }, global)?,
             None => file,
         };
-        let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+        let shape = match file.grid() {
+            // The operator is that of the grid.
+            Some(grid) => Graph::new(grid.n_places(), &[]).map(Shape::Graph).map_err(|e| e.to_string()),
+            None => file.to_shape_as(kind).map_err(|e| e.to_string()),
+        };
+        let shape = shape.map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         if shape.is_graph()
             && !global.given.has("--walk")
             && let Some(text) = file.graph_changes().note()
@@ -198,7 +215,10 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             };
             global.inputs.add_remark(format!("{name}: {text}{change}"));
         }
-        let carrier = own.map_or(Carrier::Shape, Carrier::Own);
+        let carrier = match (own, grid_of(&file, &name, global)?) {
+            (Some(domain), _) | (None, Some(domain)) => Carrier::Own(domain),
+            (None, None) => Carrier::Shape,
+        };
         Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, carrier })
     })
 }
@@ -211,6 +231,39 @@ fn open_own_domain(name: &str, global: &Global<'_>) -> Result<Option<Decomposer>
         .given
         .refuse(&OPERATOR_OPTIONS, &format!("applies to shapes, and {name} has an operator of its own"))?;
     (own.open)(text).map(Some).map_err(|e| CliError::Input(format!("{name}: {e}")))
+}
+
+/// The words for one place of a file and for several.
+fn row_words(file: &ShapeFile) -> [&'static str; 2] {
+    match file.grid().map(|grid| grid.sizes.len()) {
+        Some(1) => ["sample", "samples"],
+        Some(2) => ["pixel", "pixels"],
+        Some(_) => ["voxel", "voxels"],
+        None => ["vertex", "vertices"],
+    }
+}
+
+/// Commands that take images and volumes.
+const GRID_COMMANDS: [&str; 9] =
+    ["info", "transform", "filter", "denoise", "saliency", "features", "region", "render", "convert"];
+
+/// The domain of an image or a volume, with heat on its grid.
+fn grid_of(file: &ShapeFile, name: &str, global: &Global<'_>) -> Result<Option<Decomposer>, CliError> {
+    let Some(layout) = file.grid() else { return Ok(None) };
+    let command = global.given.command();
+    if !GRID_COMMANDS.contains(&command) {
+        return Err(CliError::Input(format!(
+            "{command} takes shapes, and {name} is an image or a volume; {} take these",
+            GRID_COMMANDS.join(", ")
+        )));
+    }
+    global.given.refuse(
+        &OPERATOR_OPTIONS,
+        &format!("applies to shapes, and {name} is a grid, which has heat of its own"),
+    )?;
+    let grid = layout.to_grid().map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let heat = grid.heat();
+    Decomposer::from_domain(grid, heat).map(Some).map_err(|e| CliError::Input(format!("{name}: {e}")))
 }
 
 /// The places of a domain as nodes, with an edge between neighbors.
@@ -269,7 +322,8 @@ pub(crate) fn select(
 /// Sentence on the vertices that take part; `None` if nothing chose them and all do.
 fn describe_selected(selected: &SelectedShape, name: &str, selection: &Selection) -> Option<String> {
     let SelectedShape { file, n_before, n_flagged, mask_meaning } = selected;
-    let n = file.n_vertices();
+    let n = file.grid().map_or_else(|| file.n_vertices(), |grid| grid.n_places() - grid.n_missing());
+    let [_, rows] = row_words(file);
     let flagged = format!(
         "{} flagged as withheld or classified as noise (7, 18), which --all-points includes",
         count(*n_flagged, "point", "points")
@@ -286,7 +340,7 @@ fn describe_selected(selected: &SelectedShape, name: &str, selection: &Selection
     if *n_flagged > 0 {
         reasons += &format!(", without {flagged}");
     }
-    Some(format!("{n} of {n_before} vertices of {name} take part: {reasons}"))
+    Some(format!("{n} of {n_before} {rows} of {name} take part: {reasons}"))
 }
 
 /// Prints a note that rows of the file are not part of the shape.
@@ -324,8 +378,17 @@ fn check_source(source: &ShapeSource<'_>) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Makes a built-in shape.
+/// Makes a built-in shape, image or volume.
 pub(crate) fn make_sample(name: &str, size: &SampleSize) -> Result<ShapeFile, CliError> {
+    if let Some(mut grid) = GridSample::from_name(name, size.n_vertices).map_err(CliError::input)? {
+        if let Some(sigma) = size.noise {
+            grid.add_noise(NoiseSigma::MeanEdge(sigma), size.seed).map_err(CliError::input)?;
+        }
+        let mut file = ShapeFile::from_grid(GridLayout::new(&grid.sizes, &grid.spacings))?;
+        let values = grid.values.iter().map(|v| *v as f32).collect();
+        file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32(values)))?;
+        return Ok(file);
+    }
     let mut sample = Sample::from_name(name, size.n_vertices).map_err(CliError::input)?;
     if let Some(sigma) = size.noise {
         sample.add_noise(NoiseSigma::MeanEdge(sigma), size.seed).map_err(CliError::input)?;

@@ -14,6 +14,7 @@ mod deform;
 mod field_files;
 mod gains_everywhere;
 mod graphs;
+mod grids;
 mod hostile;
 mod labels;
 mod levels;

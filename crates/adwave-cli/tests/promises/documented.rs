@@ -193,6 +193,15 @@ fn write_named_files(folder: &Path) {
     ] {
         adwave_io::write_npy(&at(name), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
     }
+    for line in [
+        "sample hills --vertices 4096 -o hills.tif",
+        "sample hills --vertices 4096 -o dem.tif",
+        "sample hills --vertices 4096 --noise 0.05 -o noisy.tif",
+        "sample head --vertices 8000 -o head.nii.gz",
+        "sample head --vertices 8000 -o volume.nii.gz",
+    ] {
+        assert!(run_line(folder, line).is_done(), "{line}");
+    }
     write_texture(folder);
     for folder in ["models", "textured-models", "FOLDER"] {
         fs::create_dir_all(at(folder)).unwrap();

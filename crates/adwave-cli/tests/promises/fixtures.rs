@@ -2,7 +2,9 @@
 
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Polygons;
-use adwave_io::{ArrayValues, Field, FieldValues, Format, ShapeFile, write_npy, write_path};
+use adwave_io::{
+    ArrayValues, Field, FieldValues, Format, GRID_VALUES, GridLayout, ShapeFile, write_npy, write_path,
+};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -36,6 +38,7 @@ fn write_fixtures(folder: &Path) {
     save(&cloud(1), &at("cloud.ply"));
     save(&cloud(2), &at("cloud2.ply"));
     save(&single(), &at("single.ply"));
+    write_path(&image(), &at("image.tif"), None).unwrap();
     for (name, seed) in [("curve.obj", 1), ("curve2.obj", 2)] {
         fs::write(at(name), curve(seed)).unwrap();
     }
@@ -90,6 +93,15 @@ fn write_cells(folder: &Path) {
         let _ = writeln!(text, "{} {} 0.5\n{} {before} 0.25\n{} {after} 0.25", x + 1, x + 1, x + 1, x + 1);
     }
     fs::write(folder.join("walk.mtx"), text).unwrap();
+}
+
+/// An image of whole numbers with two plateaus and some noise.
+fn image() -> ShapeFile {
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[24, 30], &[1.0, 1.0])).unwrap();
+    let value = |k: usize| (60 + 90 * usize::from(k % 30 > 13) + k * 7919 % 23) as u8;
+    file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::U8((0..720).map(value).collect())))
+        .unwrap();
+    file
 }
 
 /// A rough square of 400 points, and three points above it.

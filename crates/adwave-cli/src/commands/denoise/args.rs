@@ -2,11 +2,12 @@
 
 use crate::args::{
     GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
-    shared_noise,
+    shared_noise, value_type,
 };
 use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers, SharedNoise};
 use adwave::positions::Borders;
 use adwave::region::Region;
+use adwave_io::ValueType;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -32,6 +33,7 @@ column or file, or alone into a file of values.
 
 Output by extension:
   a format of shapes   the shape with new positions, or with the signal as a field
+  .nii .tif .png …     the image or volume with new values, in the type of its file unless --value-type says otherwise
   .npy                 the result alone, one row per vertex
   .csv .gii            a denoised field alone (a field of the shape's own file goes back into a file of that format)
 
@@ -43,6 +45,7 @@ Examples:
   adwave denoise tile.obj -o clean.obj --border keep
   adwave denoise lidar.laz -o clean.laz --only classification=2,9
   adwave denoise scan.laz -o clean.laz --outliers drop
+  adwave denoise volume.nii.gz -o clean.nii.gz
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
@@ -57,6 +60,9 @@ pub(crate) struct DenoiseArgs {
     /// File for the result; its extension names the format (see above)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Type of the numbers of an image or a volume: u8, i16, u16, i32, f32, f64 and others [default: that of the file]
+    #[arg(long, value_name = "TYPE", value_parser = value_type)]
+    pub(crate) value_type: Option<ValueType>,
     #[command(flatten)]
     pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 mod args;
 
-use super::result_file::{EditedSignal, ResultFile};
+use super::result_file::{EditedSignal, ResultFile, set_value_type};
 use crate::args::OPERATOR_OPTIONS;
 use crate::error::CliError;
 use crate::global::Global;
@@ -29,12 +29,15 @@ use std::fmt::Write;
 
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     let result = ResultFile::new(&args.output)?;
-    let input = load_shape(&args.shape, global)?.resolve_cells(args.signal.name(), global)?;
-    let input = with_given_walk(input, &args.walk, global)?;
-    result.check_cells(&input)?;
+    let input = load_shape(&args.shape, global)?;
+    let name = args.signal.name_on(&input.file).to_owned();
+    let input = input.resolve_cells(&name, global)?;
+    let mut input = with_given_walk(input, &args.walk, global)?;
+    result.check_places(&input)?;
+    set_value_type(&mut input, args.value_type, global)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
-    if args.signal.name() == COORDS {
+    if name == COORDS {
         global.given.refuse(&["--texture"], "applies to signals of a texture, and the signal is coords")?;
         global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
         global.given.refuse(&["--noise-model"], "applies to a field (--signal), and the signal is coords")?;
@@ -165,7 +168,7 @@ fn denoise_field(
     args: &DenoiseArgs,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let name = args.signal.name();
+    let name = &args.signal.name_on(&input.file).to_owned();
     if args.border.is_some() {
         return Err(CliError::Input(format!(
             "--border applies to coordinates, and --signal is {name}; leave it out"

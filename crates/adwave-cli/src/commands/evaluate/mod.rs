@@ -98,7 +98,7 @@ fn evaluate_agreement(
     let sides = (found.sides(), found.sides_json());
     let saliency_map = found.saliency.map;
     let control = analysis.input.shape.points().map(center_distance);
-    let mut maps = vec![(format!("saliency of {}", args.signal.name()), saliency_map)];
+    let mut maps = vec![(format!("saliency of {}", analysis.name.as_str()), saliency_map)];
     for name in &args.maps {
         maps.push((name.clone(), one_channel(name)?));
     }
@@ -112,7 +112,7 @@ fn evaluate_agreement(
     if let Some(control) = &control {
         rows.push(("distance from the center".to_owned(), compare(control, None)?));
     }
-    let mut text = analysis.headline(args.signal.name());
+    let mut text = analysis.headline();
     text += &format!("{}\n", sides.0);
     text += &format!("{} of {} vertices count as looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
     text += &table(
@@ -190,7 +190,7 @@ fn evaluate_repeatability(
         }
         rows.push(row);
     }
-    let text = analysis.headline(args.signal.name()) + "\n" + &repeatability_table(&reference, &rows);
+    let text = analysis.headline() + "\n" + &repeatability_table(&reference, &rows);
     let json = json!({
         "shape": analysis.input.name,
         "levels": analysis.schedule.n_levels(),
@@ -311,7 +311,7 @@ fn find_again(
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_surface_signal =
         ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
-            .contains(&args.signal.name());
+            .contains(&analysis.name.as_str());
     let (n_channels, values) = if is_surface_signal {
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
         let input = Input {
@@ -322,7 +322,7 @@ fn find_again(
             mesh_of_cells: None,
             carrier: Carrier::Shape,
         };
-        let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
+        let signal = load_signal(global, &input, analysis.name.as_str(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {
         (analysis.signal.n_channels, analysis.signal.values.to_vec())

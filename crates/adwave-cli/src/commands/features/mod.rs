@@ -64,7 +64,7 @@ fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliErro
 
 fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     let Detection { analysis, features, .. } = detection;
-    let mut text = analysis.headline(args.signal.name());
+    let mut text = analysis.headline();
     if analysis.finds_significant(&args.detect.to_params(&args.border)) && analysis.input.shape.is_mesh() {
         text += "features stand out from what the triangles and noise can cause; strength is in standard deviations\n";
     }
@@ -146,7 +146,7 @@ fn report(args: &FeaturesArgs, detection: &Detection) -> Value {
     json!({
         "shape": analysis.input.name,
         "output": args.output.as_ref().map(|path| path.display().to_string()),
-        "field": args.signal.name(),
+        "field": analysis.name,
         "rule": if is_significant { "significance" } else { "theta" },
         "theta": (!is_significant || analysis.input.shape.is_cloud()).then(|| params.theta()),
         "vertices": analysis.decomposer.n_vertices(),

@@ -2,12 +2,13 @@
 
 use crate::args::{
     GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number,
-    parse_named, region, regions_help,
+    parse_named, region, regions_help, value_type,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
+use adwave_io::ValueType;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,6 +16,7 @@ use std::path::PathBuf;
 #[command(after_help = concat!(regions_help!(), "
 Output by extension:
   a format of shapes   the shape with new positions, or with the signal as a field
+  .nii .tif .png …     the image or volume with new values, in the type of its file unless --value-type says otherwise
   .npy                 the result alone, one row per vertex
   .csv .gii            a filtered field alone (a field of the shape's own file goes back into a file of that format)
 
@@ -27,6 +29,8 @@ Examples:
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress
   adwave filter land.laz -o even.laz --field classification --as-labels \\
     --preset suppress-paper --levels 3
+  adwave filter volume.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --only values=5..
+  adwave filter dem.tif -o plain.tif --lengths 100 --gains 0 --value-type f32
   adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress \\
     --mask lh.cortex.label
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
@@ -36,6 +40,9 @@ pub(crate) struct FilterArgs {
     /// File for the result; its extension names the format (see above)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Type of the numbers of an image or a volume: u8, i16, u16, i32, f32, f64 and others [default: that of the file]
+    #[arg(long, value_name = "TYPE", value_parser = value_type)]
+    pub(crate) value_type: Option<ValueType>,
     #[command(flatten)]
     pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]

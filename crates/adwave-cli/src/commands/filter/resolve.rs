@@ -2,8 +2,7 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
-use crate::args::LocalFitArgs;
-use crate::commands::result_file::ResultFile;
+use crate::commands::result_file::{ResultFile, set_value_type};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{count, has_extension, note, number};
@@ -85,11 +84,13 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let layers = layers(edit, recipe, global)?;
     let levels = levels(args, recipe);
     let operator = operator(args, recipe)?;
-    let in_recipe = recipe.map_or(COORDS, |recipe| recipe.field.as_str());
-    let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
-    let input = load_shape(&args.shape, global)?.resolve_cells(&signal_name, global)?;
-    let input = with_given_walk(input, &args.walk, global)?;
-    result.check_cells(&input)?;
+    let input = load_shape(&args.shape, global)?;
+    let asked = args.signal.asked_name().or(recipe.map(|recipe| recipe.field.as_str()));
+    let signal_name = asked.unwrap_or_else(|| args.signal.name_on(&input.file)).to_owned();
+    let input = input.resolve_cells(&signal_name, global)?;
+    let mut input = with_given_walk(input, &args.walk, global)?;
+    result.check_places(&input)?;
+    set_value_type(&mut input, args.value_type, global)?;
     input.check_lengths(&given_lengths(&levels.spec))?;
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;
@@ -121,7 +122,9 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         Borders::Free => operator.with_end_points(EndPoints::Free),
         _ => operator,
     };
-    let fit = resolve_local_fit(args.fit, recipe, &signal_name, positions)?;
+    // Heat alone keeps the sum of an image, and is the Gaussian that its users know.
+    let usual = if input.file.grid().is_some() { LocalFit::Constant } else { LocalFit::Linear };
+    let fit = resolve_local_fit(args, recipe, &signal_name, positions, usual)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
     Ok(FilterJob {
@@ -264,16 +267,16 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
     }
 }
 
-/// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several
-/// directions.
+/// The local fit that is asked for, else the usual one; none if coordinates move in several directions.
 fn resolve_local_fit(
-    args: LocalFitArgs,
+    args: &FilterArgs,
     recipe: Option<&Recipe>,
     signal: &str,
     positions: PositionParams,
+    usual: LocalFit,
 ) -> Result<Option<LocalFit>, CliError> {
     if signal == COORDS && positions.along.and_then(MoveDirection::axis).is_none() {
-        return match args.local_fit {
+        return match args.fit.local_fit {
             Some(_) => Err(CliError::Input(
                 "--local-fit is for a field (--signal) or for heights (--along z); leave it out".to_owned(),
             )),
@@ -281,7 +284,7 @@ fn resolve_local_fit(
         };
     }
     let in_recipe = recipe.and_then(|recipe| recipe.local_fit);
-    Ok(Some(args.local_fit.or(in_recipe).unwrap_or(LocalFit::Linear)))
+    Ok(Some(args.fit.local_fit.or(in_recipe).unwrap_or(usual)))
 }
 
 /// Options of new positions: those of the flags, else those of the recipe.

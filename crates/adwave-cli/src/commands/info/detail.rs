@@ -112,14 +112,14 @@ impl Detail {
         self,
         args: &InfoArgs,
         input: &Input,
-        health: &Health,
+        health: Option<&Health>,
         global: &Global<'_>,
     ) -> Self {
         let (words, n_levels) = (global.arguments.to_vec(), self.losses.len());
         // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking, and
         // points of a cloud on their normals.
         let positions: &[&str] = match &input.shape {
-            Shape::Mesh(_) if health.is_closed() => &[],
+            Shape::Mesh(_) if health.is_some_and(Health::is_closed) => &[],
             Shape::Mesh(_) => &["--border", "free"],
             Shape::Cloud(_) => &["--border", "free", "--along", "free"],
             // The ends of a curve stay in its bands too.

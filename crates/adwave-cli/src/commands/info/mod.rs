@@ -7,7 +7,7 @@ mod health;
 use crate::args::to_path;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::health::{health_json, kind_name};
+use crate::output::health::health_json;
 use crate::output::progress::with_progress;
 use crate::output::provenance::{provenance_json, provenance_text};
 use crate::output::{
@@ -21,7 +21,7 @@ use crate::resolve::walk::with_given_walk;
 use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, PreparedGeometry, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
-use adwave_io::{CloudLevels, Field, Format, GraphChanges, LengthUnit, ReadError, cloud_levels};
+use adwave_io::{CloudLevels, Field, Format, GraphChanges, GridLayout, LengthUnit, ReadError, cloud_levels};
 use adwave_subdivision::{Hierarchy, SubdivisionError};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
@@ -33,7 +33,8 @@ use std::fmt::Write;
 struct ShapeFacts {
     input: Input,
     decomposer: Decomposer,
-    health: Health,
+    /// Counts of the elements of a shape; `None` for an image or a volume, which has places alone.
+    health: Option<Health>,
     levels: ResolvedLevels,
     /// Levels of a file that has an octree, or the error if they are damaged; reading the points does not need them.
     octree: Option<Result<CloudLevels, ReadError>>,
@@ -57,11 +58,11 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
     input.check_lengths(&args.given_lengths())?;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare(global, &input, &operator)?;
-    let health = decomposer.health();
+    let health = input.file.grid().is_none().then(|| decomposer.health());
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let detail = if args.needs_detail() {
         let measured = detail::measure(&input, &decomposer, &levels.schedule, &params, global)?;
-        Some(measured.with_question(args, &input, &health, global))
+        Some(measured.with_question(args, &input, health.as_ref(), global))
     } else {
         None
     };
@@ -130,8 +131,13 @@ impl ShapeFacts {
     fn text(&self) -> String {
         let Self { input, decomposer, health, .. } = self;
         let diagonal = decomposer.extent();
-        let mut text = format!("{}: {}, {}\n", input.name, kind_name(&input.shape), self.format_name());
-        health_lines(&mut text, &input.shape, health);
+        let mut text = format!("{}: {}, {}\n", input.name, input.kind_name(), self.format_name());
+        if let Some(grid) = input.file.grid() {
+            text += &grid_lines(grid);
+        }
+        if let Some(health) = health {
+            health_lines(&mut text, &input.shape, health);
+        }
         if let Some(bounds) = input.shape.points().and_then(bounding_box) {
             let _ = writeln!(text, "  bounding box  {}", bounds_text(&bounds, diagonal));
         }
@@ -155,7 +161,9 @@ impl ShapeFacts {
         if let Some(hierarchy) = &self.hierarchy {
             let _ = writeln!(text, "  subdivision   {}", hierarchy_text(hierarchy));
         }
-        health_notes(&mut text, health);
+        if let Some(health) = health {
+            health_notes(&mut text, health);
+        }
         if self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0) {
             text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
         }
@@ -200,7 +208,7 @@ impl ShapeFacts {
         let fields = input.file.vertex_fields();
         json!({
             "shape": input.name,
-            "kind": kind_name(&input.shape),
+            "kind": input.kind_name(),
             "format": self.format_name(),
             "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
@@ -210,6 +218,7 @@ impl ShapeFacts {
                 "name": system.name, "kind": system.kind.name(),
             })),
             "provenance": input.file.provenance().map(provenance_json),
+            "grid": input.file.grid().map(grid_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),
             "extent": diagonal,
@@ -222,7 +231,7 @@ impl ShapeFacts {
             "made_symmetric": self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0),
             "dropped_loops": self.graph_changes().map(|changes| changes.n_loops),
             "asymmetric_pairs": self.graph_changes().map(|changes| changes.n_asymmetric),
-            "health": health_json(health),
+            "health": health.as_ref().map(health_json),
             "curve": CurveFacts::new(decomposer).map(|curve| curve.json()),
             "subdivision": self.hierarchy.as_ref().map(|hierarchy| json!({
                 "levels": hierarchy.n_levels(),
@@ -240,6 +249,36 @@ impl ShapeFacts {
             "detail": self.detail.as_ref().map(Detail::json),
         })
     }
+}
+
+/// Lines on the axes of an image or a volume and on places without data.
+fn grid_lines(grid: &GridLayout) -> String {
+    let mut text = String::new();
+    for ((name, size), spacing) in grid.axis_names.iter().zip(&grid.sizes).zip(&grid.spacings) {
+        let length = number(*size as f64 * spacing);
+        let places = count(*size, "place", "places");
+        let _ = writeln!(text, "  {name:<13} {places}, {} apart, {length} in all", number(*spacing));
+    }
+    let (n_missing, n) = (grid.n_missing(), grid.n_places());
+    if n_missing > 0 {
+        let percent = number(100.0 * n_missing as f64 / n as f64);
+        let _ = writeln!(
+            text,
+            "  without data  {n_missing} of {n} places, {percent} %; no step reaches or leaves them"
+        );
+    }
+    text
+}
+
+fn grid_json(grid: &GridLayout) -> Value {
+    json!({
+        "axes": grid.axis_names,
+        "sizes": grid.sizes,
+        "spacings": grid.spacings,
+        "origin": grid.origin,
+        "steps": grid.steps,
+        "without_data": grid.n_missing(),
+    })
 }
 
 /// Length and kinds of vertices of a curve, or of a graph with positions.

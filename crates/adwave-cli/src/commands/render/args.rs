@@ -18,7 +18,7 @@ use std::str::FromStr;
 Without --color a shape has the colors of its file, else a single color. A field with both signs gets a diverging map with 0 in the
 middle, other fields viridis, from the 1st to the 99th percentile; NaN is gray. The front view looks from +z with y up, or with
 --up z from -y. A curve is drawn as
-round lines. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
+round lines, an image flat and in gray, a volume as its three middle slices. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
 
 Examples:
   adwave render bunny.obj -o bunny.png
@@ -31,6 +31,7 @@ Examples:
   adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
   adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
   adwave render scan.las -o ground.png --only classification=2
+  adwave render dem.tif -o hills.png --relief 2 --view 20,50
   adwave render before.obj after.obj -o sheet.png --grid
   adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature \\
     --grid --view left")]
@@ -67,6 +68,9 @@ pub(crate) struct RenderArgs {
         help_heading = "Colors"
     )]
     pub(crate) range: RangeArg,
+    /// Draw an image as a relief: heights are its values times this factor, in the unit of its spacing
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true, num_args = 0..=1, default_missing_value = "1", help_heading = "Picture")]
+    pub(crate) relief: Option<f64>,
     /// Leave out the color bar
     #[arg(long, help_heading = "Colors")]
     pub(crate) no_bar: bool,

@@ -3,6 +3,7 @@
 mod args;
 mod balls;
 mod framing;
+mod sheet;
 
 use crate::error::CliError;
 use crate::global::Global;
@@ -12,7 +13,7 @@ use crate::resolve::applicable::check_source_options;
 use crate::resolve::operator::build_decomposer;
 use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
-use crate::resolve::signal::{COORDS, Signal, load_signal};
+use crate::resolve::signal::{COORDS, Signal, default_signal, load_signal};
 use crate::resolve::up::UpAxis;
 use adwave::Progress;
 use adwave::operator::OperatorParams;
@@ -21,12 +22,13 @@ use adwave::signal::SurfaceSignal;
 use adwave_io::FieldValues;
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Frame, Paint, Panel, Picture, Projection, RenderParams,
-    SharedCamera, Surface, Tubes, ValueRange, grid, render,
+    SharedCamera, Surface, Tubes, Up, ValueRange, View, grid, render,
 };
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
 use balls::read_balls;
 use serde_json::json;
+use sheet::{Sheet, ball_on_sheet};
 use std::time::Instant;
 
 /// Radius of the line of a curve, in diagonals of the part that the picture shows: about five pixels wide at the usual
@@ -42,8 +44,14 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     let start = Instant::now();
     let shapes = load_all(args, global)?;
     check_looks(&shapes, global)?;
+    let balls = balls_on_shapes(balls, &shapes)?;
     let up = UpAxis::choose(args.up, &shapes[0].input);
-    let params = params.with_up(up.up).with_framing(args.framing.resolve_for_shape(&shapes[0].input)?);
+    let params = match args.relief {
+        _ if shapes[0].sheet.is_none() => params.with_up(up.up),
+        Some(_) => params.with_up(Up::Z),
+        None => params.with_up(Up::Y).with_view(View::FRONT).with_projection(Projection::Orthographic),
+    };
+    let params = params.with_framing(args.framing.resolve_for_shape(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let n_outside = note_outside(&shapes, params.frame, global);
@@ -57,7 +65,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
         picture.width,
         picture.height,
         count(shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(), "vertex", "vertices"),
-        up.line(),
+        if shapes[0].sheet.is_some() { String::new() } else { up.line() },
         args.output.display()
     );
     let json = json!({
@@ -89,7 +97,7 @@ fn check_looks(shapes: &[ShownShape], global: &Global<'_>) -> Result<(), CliErro
         let applies = "applies to colors of a field (--color or --region), and the picture shows none";
         given.refuse(&["--color-map", "--range", "--no-bar"], applies)?;
     }
-    if shapes.iter().all(|shape| shape.triangles.is_empty()) {
+    if shapes.iter().all(|shape| shape.surface().1.is_empty()) {
         given.refuse(&["--crease"], "applies to meshes, and the picture shows none")?;
     }
     let inputs: Vec<&Input> = shapes.iter().map(|shape| &shape.input).collect();
@@ -160,27 +168,40 @@ struct ShownShape {
     triangles: Vec<[u32; 3]>,
     /// Tubes around the edges of a curve or graph.
     tubes: Option<Tubes>,
+    /// An image, or the slices of a volume.
+    sheet: Option<Sheet>,
     looks: Vec<Look>,
 }
 
 impl ShownShape {
     /// Points and triangles that are drawn.
     fn surface(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
-        match &self.tubes {
-            Some(tubes) => (tubes.points(), tubes.triangles()),
-            None => (self.input.shape.points().unwrap_or_default(), &self.triangles),
+        match (&self.tubes, &self.sheet) {
+            (Some(tubes), _) => (tubes.points(), tubes.triangles()),
+            (None, Some(sheet)) => (sheet.points(), sheet.triangles()),
+            (None, None) => (self.input.shape.points().unwrap_or_default(), &self.triangles),
         }
     }
 
     /// Colors of the points that are drawn.
     fn drawn_look(&self, look: &Look) -> Look {
-        let Some(tubes) = &self.tubes else { return look.clone() };
-        match look.clone() {
+        match look {
             Look::Plain => Look::Plain,
-            Look::Colors { values, label } => Look::Colors { values: tubes.spread(&values), label },
-            Look::Field { values, label, unit, range } => {
-                Look::Field { values: tubes.spread(&values), label, unit, range }
+            Look::Colors { values, label } => {
+                Look::Colors { values: self.spread(values), label: label.clone() }
             }
+            Look::Field { values, label, unit, range } => {
+                Look::Field { values: self.spread(values), label: label.clone(), unit: *unit, range: *range }
+            }
+        }
+    }
+
+    /// Values of the vertices at the points that are drawn.
+    fn spread<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        match (&self.tubes, &self.sheet) {
+            (Some(tubes), _) => tubes.spread(values),
+            (None, Some(sheet)) => sheet.spread(values),
+            (None, None) => values.to_vec(),
         }
     }
 }
@@ -211,6 +232,12 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     let sample = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
     let source = ShapeSource { kind, sample, part, selection, ..ShapeSource::new(name) };
     let input = load_source(&source, global)?;
+    if let Some(layout) = input.file.grid() {
+        let sheet = Sheet::new(layout, name, global)?;
+        return load_sheet(args, input, sheet, global);
+    }
+    let applies = format!("applies to images, and {name} is a {}", input.kind_name());
+    global.given.refuse(&["--relief"], &applies)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!(
             "{name}: a graph has no positions to draw; only nodes with finite positions are drawn, as lines"
@@ -230,7 +257,61 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     } else {
         args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
     };
-    Ok(ShownShape { input, triangles, tubes, looks })
+    Ok(ShownShape { input, triangles, tubes, sheet: None, looks })
+}
+
+/// An image or the slices of a volume with their colors: by default those of the file, else gray.
+fn load_sheet(
+    args: &RenderArgs,
+    input: Input,
+    mut sheet: Sheet,
+    global: &Global<'_>,
+) -> Result<ShownShape, CliError> {
+    let is_volume = input.file.grid().is_some_and(|layout| layout.sizes.len() > 2);
+    let usual = [default_signal(&input.file).to_owned()];
+    let looks = if !args.region.is_empty() {
+        vec![region_look(args, &input, global)?]
+    } else {
+        let colors = if args.color.is_empty() { &usual[..] } else { &args.color };
+        colors.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
+    };
+    match args.relief {
+        Some(_) if is_volume => {
+            return Err(CliError::Input(format!(
+                "--relief needs an image, and {} is a volume; leave it out",
+                input.name
+            )));
+        }
+        Some(factor) => {
+            let heights = load_signal(global, &input, &usual[0], None)?;
+            if heights.n_channels != 1 {
+                return Err(CliError::Input(format!(
+                    "--relief needs one value per pixel for the heights, and {} has {}; leave it out",
+                    input.name, heights.n_channels
+                )));
+            }
+            sheet.raise(&heights.values, factor);
+        }
+        None => {
+            let applies =
+                "applies to shapes, and an image or a volume is drawn flat (--relief gives an image heights)";
+            global.given.refuse(&["--view", "--up", "--orthographic", "--crease"], applies)?;
+        }
+    }
+    Ok(ShownShape { input, triangles: Vec::new(), tubes: None, sheet: Some(sheet), looks })
+}
+
+/// Balls at the places where images show them.
+fn balls_on_shapes(balls: Vec<Ball>, shapes: &[ShownShape]) -> Result<Vec<Ball>, CliError> {
+    let Some(layout) = shapes[0].input.file.grid().filter(|_| !balls.is_empty()) else { return Ok(balls) };
+    if layout.sizes.len() > 2 || shapes.len() > 1 {
+        return Err(CliError::Input(format!(
+            "--features needs one image or shapes, and {} is a {}; leave it out",
+            shapes[0].input.name,
+            shapes[0].input.kind_name()
+        )));
+    }
+    Ok(balls.into_iter().map(|ball| ball_on_sheet(layout, ball)).collect())
 }
 
 /// Tubes around the edges of a graph, thin relative to the part that the picture shows.
@@ -278,6 +359,11 @@ fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Re
         if name == COORDS { Some("model units") } else { surface_signal.and_then(SurfaceSignal::unit) };
     if n_channels == 1 {
         return Ok(Look::Field { values: values.to_vec(), label, unit, range: ValueRange::Auto });
+    }
+    if input.file.grid().is_some() {
+        note(global, &format!("{name} has {n_channels} values per place: the first is drawn"));
+        let values = values.iter().step_by(n_channels).copied().collect();
+        return Ok(Look::Field { values, label, unit, range: ValueRange::Auto });
     }
     let length = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
     Ok(Look::Field {
@@ -330,6 +416,9 @@ fn draw(
                         RangeArg::Fixed(low, high) => ValueRange::Fixed(low, high),
                     };
                     let label = unit.map_or_else(|| label.clone(), |unit| format!("{label} ({unit})"));
+                    let usual =
+                        shape.sheet.as_ref().filter(|_| args.color.is_empty() && args.region.is_empty());
+                    let color_map = color_map.or(usual.and_then(|_| ColorMap::from_name("gray")));
                     Paint::Field(FieldPaint { values, label, color_map, range })
                 }
             };

@@ -29,7 +29,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let mut watch = Stopwatch::start();
     let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     let signal = args.signal.with_default(default_signal(&input.file));
-    let field = signal.name().to_owned();
+    let field = signal.name_on(&input.file).to_owned();
     let up = UpAxis::choose(args.up, &input);
     let (levels, extent) = (&args.levels, None);
     let what = AnalysisArgs {
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let html = report.page.html();
     write_file(global, &args.output, html.as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
-    let text = analysis.headline(&field) + &up.line() + &summary(&report, html.len(), seconds, &args.output);
+    let text = analysis.headline() + &up.line() + &summary(&report, html.len(), seconds, &args.output);
     let mut json = describe(args, &analysis, &field, &report, html.len(), seconds);
     json["up"] = up.to_json();
     print(global, &text, &json)

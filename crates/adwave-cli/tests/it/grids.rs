@@ -1,0 +1,170 @@
+//! Images and volumes in the subcommands: the numbers are those of the library, files keep what they had, and nothing
+//! crosses a mask.
+
+use crate::common::{adwave, json, refused, words};
+use adwave::Decomposer;
+use adwave::bands::Schedule;
+use adwave::grid::Grid;
+use adwave_io::{Field, FieldValues, GRID_VALUES, GridLayout, ReadLimits, ShapeFile, read_path, write_path};
+use std::fs;
+use std::path::Path;
+
+const SIZES: [usize; 3] = [9, 12, 10];
+const SPACINGS: [f64; 3] = [3.0, 2.0, 1.5];
+
+fn volume(value: impl Fn(usize) -> f32) -> ShapeFile {
+    let mut file = ShapeFile::from_grid(GridLayout::new(&SIZES, &SPACINGS)).unwrap();
+    let values = (0..file.n_vertices()).map(value).collect();
+    file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32(values))).unwrap();
+    file
+}
+
+fn rough(place: usize) -> f32 {
+    (place * 7919 % 101) as f32 + 40.0 * (place as f32 / 90.0).sin()
+}
+
+fn values(path: &Path) -> Vec<f64> {
+    read_path(path, &ReadLimits::default()).unwrap().field(GRID_VALUES).unwrap().to_f64()
+}
+
+fn run(folder: &Path, line: &str) {
+    adwave(folder).args(words(line)).assert().success();
+}
+
+#[test]
+fn a_filter_of_a_volume_is_heat_of_the_width_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write_path(&volume(rough), &at("v.nii.gz"), None).unwrap();
+    run(folder.path(), "filter v.nii.gz -o s.nii.gz --fwhm 6 --preset suppress");
+    let grid = Grid::new(&SIZES, &SPACINGS).unwrap();
+    let heat = grid.heat();
+    let decomposer = Decomposer::from_domain(grid, heat).unwrap();
+    let sigma = 6.0 / (4.0 * std::f64::consts::LN_2).sqrt();
+    let schedule = Schedule::lengths(&[sigma], decomposer.operator().step_length()).unwrap();
+    let input = values(&at("v.nii.gz"));
+    let expected = decomposer.decompose(&input, 1, &schedule).unwrap().coarsest().to_vec();
+    let found = values(&at("s.nii.gz"));
+    // The file has 32-bit floats.
+    let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-5, "{off:e}");
+    let sum = |v: &[f64]| v.iter().sum::<f64>();
+    assert!((sum(&found) - sum(&input)).abs() < 1e-5 * sum(&input).abs());
+}
+
+#[test]
+fn gains_of_one_give_the_file_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write_path(&volume(rough), &at("v.nii"), None).unwrap();
+    run(folder.path(), "filter v.nii -o same.nii --gains 1,1,1");
+    assert!(fs::read(at("v.nii")).unwrap() == fs::read(at("same.nii")).unwrap());
+}
+
+#[test]
+fn nothing_crosses_a_mask_and_the_rest_keeps_its_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let side = |place: usize| place % SIZES[2] < 4;
+    write_path(&volume(|p| if side(p) { 10.0 } else { rough(p) }), &at("v.nii"), None).unwrap();
+    write_path(&volume(|p| f32::from(u8::from(side(p)))), &at("mask.nii"), None).unwrap();
+    for (line, is_in) in [("--mask mask.nii", true), ("--mask mask.nii --invert-mask", false)] {
+        run(folder.path(), &format!("filter v.nii -o s.nii --fwhm 8 --preset suppress {line}"));
+        let (before, after) = (values(&at("v.nii")), values(&at("s.nii")));
+        for place in 0..before.len() {
+            let (was, is) = (before[place], after[place]);
+            if side(place) != is_in {
+                assert_eq!(was, is, "{line}: place {place} is outside and changed");
+            } else if is_in {
+                assert!((is - 10.0).abs() < 1e-5, "{line}: the constant of place {place} became {is}");
+            }
+        }
+        assert!(before.iter().zip(&after).any(|(a, b)| a != b) != is_in, "{line}");
+    }
+    let mut other = ShapeFile::from_grid(GridLayout::new(&[9, 12, 9], &SPACINGS)).unwrap();
+    other.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32(vec![1.0; 972]))).unwrap();
+    write_path(&other, &at("other.nii"), None).unwrap();
+    let error = refused(folder.path(), "filter v.nii -o s.nii --fwhm 8 --preset suppress --mask other.nii");
+    assert!(error.contains("sizes are [9, 12, 10], got [9, 12, 9]"), "{error}");
+}
+
+#[test]
+fn bands_of_a_volume_sum_to_its_values() {
+    let folder = tempfile::tempdir().unwrap();
+    write_path(&volume(rough), &folder.path().join("v.nii"), None).unwrap();
+    let report = json(folder.path(), "transform v.nii -o bands.npz --fwhm 4,8,16");
+    assert_eq!((&report["levels"], &report["field"]), (&3.into(), &"values".into()));
+    run(folder.path(), "saliency v.nii -o map.nii --levels 3");
+    assert_eq!(values(&folder.path().join("map.nii")).len(), 1080);
+}
+
+#[test]
+fn info_names_the_axes_and_operators_of_shapes_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_path(&volume(rough), &folder.path().join("v.nii"), None).unwrap();
+    let report = json(folder.path(), "info v.nii");
+    assert_eq!((&report["kind"], &report["grid"]["sizes"][1]), (&"volume".into(), &12.into()));
+    assert_eq!(report["grid"]["spacings"][2], 1.5);
+    for line in [
+        "filter v.nii -o s.nii --preset smooth --operator walk",
+        "info v.nii --neighbors 9",
+        "match v.nii v.nii -o m.csv",
+        "simplify v.nii -o s.nii --ratio 0.5",
+        "filter v.nii -o s.ply --preset smooth",
+        "render v.nii -o v.png --relief",
+        "render v.nii -o v.png --view top",
+    ] {
+        refused(folder.path(), line);
+    }
+}
+
+#[test]
+fn samples_are_drawn_flat_or_as_a_relief() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in [
+        "render sample:hills --vertices 4096 -o flat.png --size 300x300",
+        "render sample:hills --vertices 4096 -o relief.png --relief 2 --view 20,50 --size 300x300",
+        "render sample:head --vertices 8000 -o slices.png --size 600x300",
+        "features sample:hills --vertices 4096 -o f.csv --theta 1",
+        "render sample:hills --vertices 4096 -o found.png --features f.csv --size 300x300",
+    ] {
+        run(folder.path(), line);
+    }
+    let distinct = |name: &str| {
+        let picture = image::open(folder.path().join(name)).unwrap().to_rgb8();
+        picture.pixels().collect::<std::collections::HashSet<_>>().len()
+    };
+    for name in ["flat.png", "relief.png", "slices.png"] {
+        assert!(distinct(name) > 100, "{name} has {} colors", distinct(name));
+    }
+}
+
+#[test]
+fn features_and_regions_are_in_the_coordinates_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let mut layout = GridLayout::new(&[40, 40], &[0.5, 0.5]);
+    layout.origin = [100.0, 200.0, 0.0];
+    let mut file = ShapeFile::from_grid(layout).unwrap();
+    let bump = |place: usize| {
+        let (y, x) = ((place / 40) as f32 * 0.5 - 12.0, (place % 40) as f32 * 0.5 - 6.0);
+        (-(x * x + y * y) / 4.0).exp()
+    };
+    file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32((0..1600).map(bump).collect())))
+        .unwrap();
+    write_path(&file, &at("bump.nii"), None).unwrap();
+    let found = json(folder.path(), "features bump.nii --lengths 1,2,4,8 --theta 1");
+    let near = |feature: &&serde_json::Value| {
+        let p = |k: usize| feature["position"][k].as_f64().unwrap();
+        (p(0) - 106.0).hypot(p(1) - 212.0) < 0.6
+    };
+    assert!(found["features"].as_array().unwrap().iter().any(|f| near(&f)), "{found}");
+    run(
+        folder.path(),
+        "filter bump.nii -o cut.nii --lengths 1,2 --gains 0,0 --region 'ball:point=106 212 0,radius=2'",
+    );
+    let (before, after) = (values(&at("bump.nii")), values(&at("cut.nii")));
+    let changed: Vec<usize> = (0..1600).filter(|&p| before[p] != after[p]).collect();
+    assert!(!changed.is_empty() && changed.len() < 80, "{} places", changed.len());
+    assert!(changed.contains(&(24 * 40 + 12)));
+}
