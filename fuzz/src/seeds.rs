@@ -4,8 +4,8 @@
 use crate::copc_file::copc;
 use adwave::shape::Polygons;
 use adwave_io::{
-    ArrayValues, CoordinatePrecision, Direction, Edges, Field, FieldValues, Format, ShapeFile, write_bytes,
-    write_npy,
+    ArrayValues, CoordinatePrecision, Direction, Edges, Field, FieldValues, Format, GRID_VALUES, GridLayout,
+    ShapeFile, write_bytes, write_npy,
 };
 use base64::Engine;
 use std::error::Error;
@@ -205,6 +205,18 @@ pub(crate) fn write(folder: &Path) -> SeedOutcome<()> {
         write_bytes(&mesh()?, format, &mut bytes)?;
         save(target, kind, &bytes)?;
     }
+    for (target, format, sizes) in [
+        ("nifti", Format::NIFTI, &[2, 3, 4][..]),
+        ("mrc", Format::MRC, &[2, 3, 4]),
+        ("nrrd", Format::NRRD, &[2, 3, 4]),
+        ("tiff", Format::TIFF, &[4, 6]),
+        ("png", Format::PNG, &[4, 6]),
+        ("esri-grid", Format::ESRI_GRID, &[4, 6]),
+    ] {
+        let mut bytes = Vec::new();
+        write_bytes(&grid(sizes)?, format, &mut bytes)?;
+        save(target, "grid", &bytes)?;
+    }
     let edges = Edges { pairs: vec![[1, 0], [2, 1]], weights: vec![1.0, 0.5], direction: Direction::Both };
     let mut graph = Vec::new();
     write_bytes(&ShapeFile::from_graph(3, edges), Format::MTX, &mut graph)?;
@@ -271,6 +283,14 @@ fn write_arrays(folder: &Path) -> SeedOutcome<()> {
 }
 
 /// A square of a quadrilateral and a triangle, with fields of several types.
+/// An image or a volume of bytes.
+fn grid(sizes: &[usize]) -> SeedOutcome<ShapeFile> {
+    let mut grid = ShapeFile::from_grid(GridLayout::new(sizes, &vec![0.5; sizes.len()]))?;
+    let values = (0..grid.n_vertices()).map(|k| (k * 37 % 251) as u8).collect();
+    grid.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::U8(values)))?;
+    Ok(grid)
+}
+
 fn mesh() -> SeedOutcome<ShapeFile> {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.25], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5], [0.5, 2.0, 0.0]];
     let faces: Polygons = [&[0_u32, 1, 2, 3][..], &[3, 2, 4]].into_iter().collect();

@@ -1,16 +1,17 @@
 //! Fuzz targets and the properties that hold for any input.
 
 use crate::words::{
-    GEOMVIEW, GLTF, GRAPHML, MANUFACTURING, MEDIT, MSH, OBJ, PCD, PLY, RECIPE, REGION, VTK, VTK_XML, XML,
+    ESRI_GRID, GEOMVIEW, GLTF, GRAPHML, MANUFACTURING, MEDIT, MSH, NRRD, OBJ, PCD, PLY, RECIPE, REGION, VTK,
+    VTK_XML, XML,
 };
 use adwave::region::parse_region;
 use adwave::shape::Polygons;
 use adwave::{ClassifiedError, Progress};
 use adwave_io::{
-    CloudPart, Format, LasReader, MeshReader, ReadError, ReadLimits, ShapeFile, cloud_levels,
-    parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes, read_cloud_part,
-    read_edge_rows, read_matrix_market, read_npy_bytes, recipe_to_text, rewrite_mesh, texture_colors,
-    write_bytes,
+    CloudPart, Field, Format, GRID_VALUES, LasReader, MeshReader, ReadError, ReadLimits, ShapeFile,
+    cloud_levels, parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes,
+    read_cloud_part, read_edge_rows, read_matrix_market, read_npy_bytes, recipe_to_text, rewrite_mesh,
+    texture_colors, write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -92,6 +93,12 @@ fn shape_targets() -> Vec<Target> {
         shape("vtk", VTK, |b| shape_file(b, "a.vtk")),
         shape("freesurfer", &["created by a\n\n", "\u{0}\u{0}\u{0}\u{2}"], |b| shape_file(b, "lh.white")),
         shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
+        shape("nifti", &["n+1\0", "n+2\0\r\n\u{1a}\n"], |b| shape_file(b, "a.nii")),
+        shape("tiff", &["II*\0", "MM\0*", "-9999\0"], |b| shape_file(b, "a.tif")),
+        shape("png", &["IHDR", "PLTE", "tRNS", "IDAT"], |b| shape_file(b, "a.png")),
+        shape("esri-grid", ESRI_GRID, |b| shape_file(b, "a.asc")),
+        shape("mrc", &["MAP ", "\u{1}\0\0\0"], |b| shape_file(b, "a.mrc")),
+        shape("nrrd", NRRD, |b| shape_file(b, "a.nrrd")),
     ]
 }
 
@@ -391,6 +398,11 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
     if let Some((a, b)) = old.iter().zip(new).find(|&(&a, &b)| !same(a, b)) {
         return Err(format!("a coordinate changed in writing and reading: {a:e} became {b:e}"));
     }
+    let values = |file: &ShapeFile| file.grid().and(file.field(GRID_VALUES)).map(Field::to_f64);
+    let (old, new) = (values(file).unwrap_or_default(), values(&again).unwrap_or_default());
+    if old.len() != new.len() || old.iter().zip(&new).any(|(a, b)| !same(*a, *b)) {
+        return Err("other values of a grid after writing and reading".into());
+    }
     // Triangles are all that an STL has.
     if !matches!(file.format(), Some(Format::STL | Format::STL_ASCII)) && file.faces() != again.faces() {
         return Err("other faces after writing and reading".into());
@@ -398,7 +410,7 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
     Ok(())
 }
 
-fn fields(read: Result<Vec<adwave_io::Field>, ReadError>) -> Result<String, String> {
+fn fields(read: Result<Vec<Field>, ReadError>) -> Result<String, String> {
     match read {
         Ok(fields)
             if fields.iter().all(|f| f.n_channels > 0 && f.to_f64().len() == f.len() * f.n_channels) =>

@@ -285,3 +285,41 @@ pub(crate) const VTK: &[&str] = &[
     "METADATA\n",
     "vtkIdType",
 ];
+
+pub(crate) const ESRI_GRID: &[&str] = &[
+    "ncols",
+    "nrows",
+    "xllcorner",
+    "yllcenter",
+    "cellsize",
+    "dx",
+    "dy",
+    "NODATA_value",
+    "-9999",
+    "nan",
+    "1e300",
+    "\r\n",
+];
+
+pub(crate) const NRRD: &[&str] = &[
+    "NRRD0004\n",
+    "type: ",
+    "uint8",
+    "double",
+    "dimension: ",
+    "sizes: ",
+    "spacings: ",
+    "space: left-posterior-superior\n",
+    "space directions: ",
+    "(1,0,0)",
+    "none",
+    "encoding: ",
+    "raw",
+    "gzip",
+    "ascii",
+    "endian: big\n",
+    "data file: ",
+    "line skip: ",
+    "byte skip: -1\n",
+    "\n\n",
+];

@@ -236,7 +236,7 @@ def filter(
     levels: LevelsLike = ...,
     operator: OperatorLike = ...,
     constraints: Constraints | None = ...,
-    local_fit: LocalFit = ...,
+    local_fit: LocalFit | None = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
     **options: Unpack[PrecisionOptions],
@@ -253,7 +253,7 @@ def filter(
     levels: LevelsLike = ...,
     operator: OperatorLike = ...,
     constraints: Constraints | None = ...,
-    local_fit: LocalFit = ...,
+    local_fit: LocalFit | None = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
     **options: Unpack[PrecisionOptions],
@@ -269,7 +269,7 @@ def filter(
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
-    local_fit: LocalFit = "linear",
+    local_fit: LocalFit | None = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
     **options: Unpack[PrecisionOptions],
@@ -301,10 +301,10 @@ def filter(
         As in `decompose`.
     constraints : Constraints, optional
         How vertices may move if the coordinates are changed; an error for other signals.
-    local_fit : {'linear', 'constant'}
+    local_fit : {'linear', 'constant'}, optional
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
-        as in `decompose` and `Bands.apply`.
+        as in `decompose` and `Bands.apply`. By default linear, and constant on an image or a volume.
     accuracy : float
         As in `decompose`.
     progress : bool or callable, optional
@@ -342,6 +342,8 @@ def filter(
     if constraints is not None:
         operator = _constrained_operator(part, constraints, named, operator)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
+    if local_fit is None:
+        local_fit = "constant" if decomposer._sizes else "linear"
     layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices, decomposer._sizes)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
         levels = len(gains)  # type: ignore[arg-type]

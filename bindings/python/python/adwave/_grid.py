@@ -321,7 +321,7 @@ class Grid(Generic[_Own]):
         where: Where = None,
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
-        local_fit: LocalFit = "linear",
+        local_fit: LocalFit = "constant",
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
@@ -340,7 +340,8 @@ class Grid(Generic[_Own]):
         levels, sigma, **options
             As in `decompose`; by default one level for each gain.
         local_fit : {'linear', 'constant'}
-            What smoothing leaves unchanged: ``'linear'`` keeps slopes up to the border; ``'constant'`` is heat itself.
+            What smoothing leaves unchanged: ``'constant'`` is heat itself, which keeps the sum; ``'linear'`` keeps slopes
+            up to the border.
         accuracy, progress
             As in `decompose`.
 

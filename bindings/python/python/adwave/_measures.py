@@ -153,7 +153,7 @@ def saliency(
     operator : str or Operator, optional
         As in `decompose`.
     accuracy : float, optional
-        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors.
+        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors, and on a grid.
     progress : bool or callable, optional
         As in `decompose`.
     **selection
@@ -323,7 +323,7 @@ def features(
     operator : str or Operator, optional
         As in `decompose`.
     accuracy : float, optional
-        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors.
+        As in `decompose`; 1e-4 by default for heat on a mesh, whose triangles cause larger errors, and on a grid.
     progress : bool or callable, optional
         As in `decompose`.
     **selection

@@ -56,7 +56,8 @@ pub(crate) struct DetectArgs {
     /// and significance for the coordinates of meshes and clouds]
     #[arg(long, value_name = "T", value_parser = number, allow_negative_numbers = true)]
     pub(crate) theta: Option<f64>,
-    /// Response of Algorithm 2 that is compared between neighbors and levels
+    /// Response of Algorithm 2 that is compared between neighbors and levels; without this option literal on an image or a
+    /// volume
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Response>(), default_value_t)]
     pub(crate) response: Response,
     /// Compare with the mean over each connected component instead of the whole shape

@@ -131,14 +131,12 @@ fn resolve(
     let name = args.signal.name_on(&input.file);
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
-    let file = match file {
-        BandsFile::Npz => file,
-        _ => {
-            check_places(&args.output, &input)?;
-            ValuesFile::choose(&args.output, &input.file)
-                .filter(|kind| *kind == ValuesFile::Grid)
-                .map_or(file, BandsFile::Alone)
-        }
+    let file = if matches!(file, BandsFile::Npz) {
+        file
+    } else {
+        check_places(&args.output, &input)?;
+        let grid = ValuesFile::choose(&args.output, &input.file).filter(|kind| *kind == ValuesFile::Grid);
+        grid.map_or(file, BandsFile::Alone)
     };
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;

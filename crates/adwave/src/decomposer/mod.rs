@@ -166,8 +166,13 @@ impl Decomposer {
         if !domain.has_neighbors() && operator.rows().is_none() {
             return Err(DomainError::NoNeighbors);
         }
+        let kind = match operator.semigroup() {
+            Semigroup::Heat { .. } => OperatorKind::Surface,
+            _ => OperatorKind::Walk,
+        };
         let transform = Transform::from_operator(operator, &BandsParams::default())?;
-        Ok(Self::join(Arc::new(domain), transform))
+        let params = OperatorParams { kind, ..OperatorParams::default() };
+        Ok(Self { params, ..Self::join(Arc::new(domain), transform) })
     }
 
     /// Prepares a walk that is given by its rows, n × n with its diagonal (see [`Diffusion::from_walk`]): the domain of

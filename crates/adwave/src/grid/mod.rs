@@ -92,14 +92,14 @@ pub struct Grid {
     map: VertexMap,
     /// Places that belong to the data; all if `None`.
     kept: Option<Arc<[bool]>>,
-    frame: Frame,
+    frame: AxesInSpace,
     positions: OnceLock<Vec<[f64; 3]>>,
     spacing: [f64; 1],
 }
 
 /// Place of the axes in space.
 #[derive(Clone, Debug, PartialEq)]
-struct Frame {
+struct AxesInSpace {
     /// Position of the first place.
     origin: [f64; 3],
     /// Step of each axis.
@@ -171,7 +171,7 @@ impl Grid {
         let axes = Axes { sizes: sizes.to_vec(), spacings: spacings.to_vec(), is_periodic };
         let (map, spacing) = (VertexMap::identity(axes.n_places()), [axes.finest()]);
         let step = |axis: usize| std::array::from_fn(|c| if c == axis { axes.spacings[axis] } else { 0.0 });
-        let frame = Frame { origin: [0.0; 3], steps: (0..sizes.len()).map(step).collect() };
+        let frame = AxesInSpace { origin: [0.0; 3], steps: (0..sizes.len()).map(step).collect() };
         Ok(Self { axes, map, kept: None, frame, positions: OnceLock::new(), spacing })
     }
 
@@ -198,7 +198,7 @@ impl Grid {
         if steps.len() != n_sizes {
             return Err(GridError::Axes { what: "step", n_sizes, n_found: steps.len() });
         }
-        self.frame = Frame { origin, steps: steps.to_vec() };
+        self.frame = AxesInSpace { origin, steps: steps.to_vec() };
         self.positions = OnceLock::new();
         Ok(self)
     }

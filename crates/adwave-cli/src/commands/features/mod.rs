@@ -50,7 +50,11 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 
 fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliError> {
     let mut analysis = Analysis::new(args.analysis(), global)?;
-    let params = args.detect.to_params(&args.border);
+    let mut params = args.detect.to_params(&args.border);
+    if analysis.input.file.grid().is_some() && !global.given.has("--response") {
+        // The mean of a level, by which the usual response divides, is that of the background of an image.
+        params = params.with_response(Response::Literal);
+    }
     // Spheres go into a new file: the bytes of the old one need not be kept while the bands are computed.
     analysis.input.file.forget_original();
     let FoundFeatures { mut features, wavelets, seconds } = analysis.features(&params, global)?;

@@ -18,7 +18,7 @@ use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::walk::with_given_walk;
-use adwave::operator::SurfaceInfo;
+use adwave::operator::{Semigroup, SurfaceInfo};
 use adwave::shape::{Health, PreparedGeometry, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Field, Format, GraphChanges, GridLayout, LengthUnit, ReadError, cloud_levels};
@@ -149,8 +149,12 @@ impl ShapeFacts {
         }
         if diagonal > 0.0 {
             let _ = writeln!(text, "  diagonal      {}", number(decomposer.diagonal()));
-            let what = "the diagonal of the largest part, without strays; default levels and % refer to it";
-            let _ = writeln!(text, "  extent        {}, {what}", number(diagonal));
+            let what = match input.file.grid() {
+                Some(_) => "the diagonal of the places with data",
+                None => "the diagonal of the largest part, without strays",
+            };
+            let refer = "default levels and % refer to it";
+            let _ = writeln!(text, "  extent        {}, {what}; {refer}", number(diagonal));
         }
         if let Some(octree) = &self.octree {
             let _ = writeln!(text, "  octree        {}", octree_text(octree));
@@ -333,6 +337,11 @@ fn outsiders_json(decomposer: &Decomposer, input: &Input) -> Value {
 /// Lines on the diffusion operator.
 fn diffusion_text(decomposer: &Decomposer, shape: &Shape) -> String {
     let params = decomposer.operator_params();
+    if decomposer.geometry().is_none() && matches!(decomposer.operator().semigroup(), Semigroup::Heat { .. })
+    {
+        let step = number(decomposer.operator().step_length());
+        return format!("  diffusion     heat, spacing {}, step {step}\n", number(decomposer.mean_length()));
+    }
     let mut text = format!(
         "  diffusion     {}{}{}, {}, mean edge {}, step {}\n",
         decomposer.operator_kind().name(),

@@ -2,8 +2,8 @@
 
 mod args;
 mod balls;
+mod flat_grid;
 mod framing;
-mod sheet;
 
 use crate::error::CliError;
 use crate::global::Global;
@@ -27,8 +27,8 @@ use adwave_render::{
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
 use balls::read_balls;
+use flat_grid::{FlatGrid, ball_on_sheet};
 use serde_json::json;
-use sheet::{Sheet, ball_on_sheet};
 use std::time::Instant;
 
 /// Radius of the line of a curve, in diagonals of the part that the picture shows: about five pixels wide at the usual
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
         "{} × {} pixels, {}; read {read:.2} s, drawn {drawn:.2} s\n{}{}",
         picture.width,
         picture.height,
-        count(shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(), "vertex", "vertices"),
+        count_vertices(shapes.as_slice()),
         if shapes[0].sheet.is_some() { String::new() } else { up.line() },
         args.output.display()
     );
@@ -87,6 +87,12 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
         "seconds": {"read": read, "draw": drawn},
     });
     print(global, &text, &json)
+}
+
+/// The number of vertices, pixels or voxels of all shapes.
+fn count_vertices(shapes: &[ShownShape]) -> String {
+    let [one, many] = shapes.first().map_or(["vertex", "vertices"], |shape| shape.input.row_words());
+    count(shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(), one, many)
 }
 
 /// Refuses options on colors and creases that no panel has.
@@ -169,7 +175,7 @@ struct ShownShape {
     /// Tubes around the edges of a curve or graph.
     tubes: Option<Tubes>,
     /// An image, or the slices of a volume.
-    sheet: Option<Sheet>,
+    sheet: Option<FlatGrid>,
     looks: Vec<Look>,
 }
 
@@ -233,7 +239,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     let source = ShapeSource { kind, sample, part, selection, ..ShapeSource::new(name) };
     let input = load_source(&source, global)?;
     if let Some(layout) = input.file.grid() {
-        let sheet = Sheet::new(layout, name, global)?;
+        let sheet = FlatGrid::new(layout, name, global)?;
         return load_sheet(args, input, sheet, global);
     }
     let applies = format!("applies to images, and {name} is a {}", input.kind_name());
@@ -264,16 +270,16 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
 fn load_sheet(
     args: &RenderArgs,
     input: Input,
-    mut sheet: Sheet,
+    mut sheet: FlatGrid,
     global: &Global<'_>,
 ) -> Result<ShownShape, CliError> {
     let is_volume = input.file.grid().is_some_and(|layout| layout.sizes.len() > 2);
     let usual = [default_signal(&input.file).to_owned()];
-    let looks = if !args.region.is_empty() {
-        vec![region_look(args, &input, global)?]
-    } else {
+    let looks = if args.region.is_empty() {
         let colors = if args.color.is_empty() { &usual[..] } else { &args.color };
         colors.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
+    } else {
+        vec![region_look(args, &input, global)?]
     };
     match args.relief {
         Some(_) if is_volume => {

@@ -13,7 +13,7 @@ const GAP: f64 = 0.05;
 
 /// An image, or the three middle slices of a volume side by side, as a mesh in the plane z = 0: columns run to the
 /// right, rows down, in the units of the grid.
-pub(super) struct Sheet {
+pub(super) struct FlatGrid {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     /// Place of the grid at each point.
@@ -31,7 +31,7 @@ struct Slice<'a> {
     left: f64,
 }
 
-impl Sheet {
+impl FlatGrid {
     /// The sheet of a grid of two or three axes.
     pub(super) fn new(layout: &GridLayout, name: &str, global: &Global<'_>) -> Result<Self, CliError> {
         let (sizes, spacings) = (&layout.sizes, &layout.spacings);
