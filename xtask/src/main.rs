@@ -303,7 +303,13 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
     println!("> cargo {}", arguments.join(" "));
     let mut command = Command::new(cargo);
     if is_bare() {
-        command.envs([("CARGO_INCREMENTAL", "0"), ("CARGO_PROFILE_DEV_DEBUG", "0")]);
+        // As many parts of a crate as cores: more repeat work and make the tests slower.
+        let parts = std::thread::available_parallelism().map_or(2, usize::from).to_string();
+        command.envs([
+            ("CARGO_INCREMENTAL", "0"),
+            ("CARGO_PROFILE_DEV_DEBUG", "0"),
+            ("CARGO_PROFILE_DEV_CODEGEN_UNITS", parts.as_str()),
+        ]);
     }
     run(command.current_dir(root()).args(arguments).envs(variables.iter().copied()))
 }
