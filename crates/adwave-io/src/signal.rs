@@ -263,17 +263,18 @@ pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 
     points.iter().zip(values).map(replaced).collect()
 }
 
-/// Converts new values of the named signal to a field for writing. A field of the file keeps its type of numbers, and
-/// its integers stay as they are in places that are NaN now. Other signals are named after the column, or after the
+/// Converts new values of the named signal to a field for writing. A field of the file keeps its type of numbers, for an
+/// image or a volume once it is written, and its integers stay as they are in places that are NaN now. Other signals are named after the column, or after the
 /// file without its extensions.
 pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut values: Vec<f64>) -> Field {
     if let Some(old) = file.field(name) {
-        if file.value_type.is_some_and(|kind| !kind.is_integer()) {
-            return Field::new(name, n_channels, FieldValues::F64(values));
-        }
         if old.values.value_type().is_integer() {
             let missing = values.iter_mut().enumerate().filter(|(_, x)| x.is_nan());
             missing.for_each(|(k, x)| *x = old.values.get(k));
+        }
+        if file.grid().is_some() {
+            // Its writer rounds to the type of the file, and refuses what that cannot hold.
+            return Field::new(name, n_channels, FieldValues::F64(values));
         }
         return old.with_values_rounded(&values);
     }

@@ -8,8 +8,8 @@ use crate::resolve::applicable::article;
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, ValueType, keep_left_out_values,
-    named_axis, with_axis, written_signal,
+    COORDS, Field, FieldValues, Format, GRID_VALUES, MovedNormals, ShapeFile, Subset, ValueType,
+    keep_left_out_values, named_axis, with_axis, written_signal,
 };
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub(crate) enum EditedSignal {
 impl<'a> ResultFile<'a> {
     /// Refuses a path that neither a shape nor values alone can be written to.
     pub(crate) fn new(path: &'a Path) -> Result<Self, CliError> {
-        if ValuesFile::from_path(path).is_none() {
+        if matches!(ValuesFile::from_path(path), None | Some(ValuesFile::Grid)) {
             output_format(path)?;
         }
         check_writable(path)?;
@@ -119,14 +119,8 @@ impl<'a> ResultFile<'a> {
                     mesh.add_face_field(field)?;
                     return write_shape(global, mesh, self.path).map(|_| ());
                 }
-                if input.file.grid().is_some() && field.values.value_type().is_integer() {
-                    let kind = field.values.value_type().name();
-                    note(
-                        global,
-                        &format!(
-                            "{signal} is rounded to whole numbers ({kind}), as in its file; --value-type f32 keeps fractions"
-                        ),
-                    );
+                if alone.is_none_or(|kind| kind == ValuesFile::Grid) {
+                    note_rounding(input, signal, global);
                 }
                 keep_left_out_values(&mut input.file, signal, &field)?;
                 if alone == Some(ValuesFile::Csv) && channel_names.len() == field.n_channels {
@@ -161,9 +155,27 @@ pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
     )))
 }
 
-/// Sets the type of the numbers that an image or a volume is written with.
+/// Prints a note if an image or a volume holds whole numbers and no other type is asked for.
+fn note_rounding(input: &Input, signal: &str, global: &Global<'_>) {
+    if input.file.grid().is_none() || global.given.has("--value-type") {
+        return;
+    }
+    let kind = input.file.field(signal).map(|field| field.values.value_type());
+    if let Some(kind) = kind.filter(|kind| kind.is_integer()) {
+        let kind = kind.name();
+        note(
+            global,
+            &format!(
+                "{signal} is rounded to whole numbers ({kind}), as in its file; --value-type f32 keeps fractions"
+            ),
+        );
+    }
+}
+
+/// Sets the type of the numbers that an image or a volume is written with: that of its own file, if none is asked for.
 pub(crate) fn set_value_type(
     input: &mut Input,
+    path: &Path,
     value_type: Option<ValueType>,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
@@ -171,7 +183,10 @@ pub(crate) fn set_value_type(
         let applies = format!("applies to images and volumes, and {} is a {}", input.name, input.kind_name());
         return global.given.refuse(&["--value-type"], &applies);
     }
-    input.file.set_value_type(value_type);
+    // A file of the same format has the type already.
+    let is_other = input.file.format() != Format::grid_from_path(path);
+    let own = input.file.field(GRID_VALUES).filter(|_| is_other).map(|field| field.values.value_type());
+    input.file.set_value_type(value_type.or(own));
     Ok(())
 }
 

@@ -206,8 +206,8 @@ fn join(fields: &[Field]) -> Vec<f64> {
     (0..fields.first().map_or(0, Field::len)).flat_map(row).collect()
 }
 
-/// Writes fields as the channels of an image or a volume, as floats of 32 bits unless the one that was read has floats
-/// of 64.
+/// Writes fields as the channels of an image or a volume, in the type that is asked for, else as floats of 32 bits, or of
+/// 64 if the one that was read has these.
 fn write_grid(global: &Global<'_>, path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), CliError> {
     if file.grid().is_none() {
         return Err(CliError::Input(format!(
@@ -217,11 +217,12 @@ fn write_grid(global: &Global<'_>, path: &Path, fields: &[Field], file: &ShapeFi
     }
     let mut grid = clone_for_output(file, path);
     let is_double = file.field(GRID_VALUES).is_some_and(|field| field.values.value_type() == ValueType::F64);
-    let values = join(fields);
-    let (kind, values) = if is_double {
-        (ValueType::F64, FieldValues::F64(values))
+    let usual = if is_double { ValueType::F64 } else { ValueType::F32 };
+    let (kind, values) = (file.value_type().unwrap_or(usual), join(fields));
+    let values = if kind == ValueType::F32 {
+        FieldValues::F32(values.iter().map(|v| *v as f32).collect())
     } else {
-        (ValueType::F32, FieldValues::F32(values.iter().map(|v| *v as f32).collect()))
+        FieldValues::F64(values)
     };
     grid.set_value_type(Some(kind));
     grid.add_vertex_field(Field::new(GRID_VALUES, count_channels(fields), values))?;

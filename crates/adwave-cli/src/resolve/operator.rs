@@ -283,6 +283,12 @@ pub(crate) fn mask_missing(
 ) -> Result<Decomposer, CliError> {
     let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(decomposer) };
     let masked = decomposer.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    // Reading has told of the places of an image or a volume that have no data.
+    let outsiders = decomposer.domain().outsiders().unwrap_or_default();
+    let is_known = |x: usize| outsiders.get(x).copied().unwrap_or(false);
+    if flags.iter().enumerate().all(|(x, &is_missing)| !is_missing || is_known(x)) {
+        return Ok(masked);
+    }
     let n_missing = flags.iter().filter(|&&is_missing| is_missing).count();
     note(
         global,

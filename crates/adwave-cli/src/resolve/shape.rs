@@ -261,6 +261,9 @@ fn grid_of(file: &ShapeFile, name: &str, global: &Global<'_>) -> Result<Option<D
         &OPERATOR_OPTIONS,
         &format!("applies to shapes, and {name} is a grid, which has heat of its own"),
     )?;
+    if layout.n_missing() == layout.n_places() {
+        return Err(CliError::Input(format!("{name}: no place has data; all are NaN, NODATA or left out")));
+    }
     let grid = layout.to_grid().map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     let heat = grid.heat();
     Decomposer::from_domain(grid, heat).map(Some).map_err(|e| CliError::Input(format!("{name}: {e}")))

@@ -62,6 +62,25 @@ fn gains_of_one_give_the_file_back() {
 }
 
 #[test]
+fn values_that_the_type_of_the_file_cannot_hold_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let mut file = ShapeFile::from_grid(GridLayout::new(&SIZES, &SPACINGS)).unwrap();
+    let bytes = (0..1080).map(|k| 250 + (k * 7919 % 6) as u8).collect();
+    file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::U8(bytes))).unwrap();
+    write_path(&file, &at("v.nii"), None).unwrap();
+    let line = "filter v.nii -o s.nii --levels 3 --gains 40,1,1";
+    let output = adwave(folder.path()).args(words(line)).assert().code(2).get_output().stderr.clone();
+    let told = String::from_utf8(output).unwrap();
+    assert!(told.contains("u8") && !at("s.nii").exists(), "{told}");
+    run(folder.path(), &format!("{line} --value-type i16"));
+    assert!(values(&at("s.nii")).iter().any(|v| *v > 255.0 && v.fract() == 0.0));
+    run(folder.path(), "filter v.nii -o s.tif --levels 3 --preset smooth");
+    let written = read_path(&at("s.tif"), &ReadLimits::default()).unwrap();
+    assert!(matches!(written.field(GRID_VALUES).unwrap().values, FieldValues::U8(_)));
+}
+
+#[test]
 fn nothing_crosses_a_mask_and_the_rest_keeps_its_values() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

@@ -172,6 +172,11 @@ impl ShapeFile {
         self.grid.as_deref()
     }
 
+    /// Type of the numbers that a file of an image or volume is written with, if it was set.
+    pub fn value_type(&self) -> Option<ValueType> {
+        self.value_type
+    }
+
     /// Sets the type of the numbers that a file of an image or volume is written with; `None` for that of its original,
     /// or of the values if there is none.
     pub fn set_value_type(&mut self, value_type: Option<ValueType>) {

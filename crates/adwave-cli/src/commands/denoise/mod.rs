@@ -34,7 +34,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     let input = input.resolve_cells(&name, global)?;
     let mut input = with_given_walk(input, &args.walk, global)?;
     result.check_places(&input)?;
-    set_value_type(&mut input, args.value_type, global)?;
+    set_value_type(&mut input, &args.output, args.value_type, global)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
     if name == COORDS {

@@ -90,7 +90,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let input = input.resolve_cells(&signal_name, global)?;
     let mut input = with_given_walk(input, &args.walk, global)?;
     result.check_places(&input)?;
-    set_value_type(&mut input, args.value_type, global)?;
+    set_value_type(&mut input, &args.output, args.value_type, global)?;
     input.check_lengths(&given_lengths(&levels.spec))?;
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;
