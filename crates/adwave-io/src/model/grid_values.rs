@@ -55,7 +55,7 @@ impl GridNumbers {
     }
 
     pub(crate) fn n_channels(&self) -> usize {
-        self.n_planes * self.n_components
+        self.n_planes.saturating_mul(self.n_components)
     }
 
     /// Number of bytes; `None` if that is no number.
@@ -77,7 +77,7 @@ impl GridNumbers {
         let n = self.n_bytes();
         let found = n.and_then(|n| bytes.get(start..)?.get(..n));
         let Some(found) = found else {
-            let width = (self.kind.n_bytes() * self.n_components).max(1);
+            let width = self.kind.n_bytes().saturating_mul(self.n_components).max(1);
             return Err(ReadError::Truncated {
                 end: bytes.len() as u64,
                 needed: (start as u64).saturating_add(n.map_or(u64::MAX, |n| n as u64)),
