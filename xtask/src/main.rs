@@ -303,7 +303,7 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
     println!("> cargo {}", arguments.join(" "));
     let mut command = Command::new(cargo);
     if is_bare() {
-        // As many parts of a crate as cores: more repeat work and make the tests slower.
+        // As many parts of a crate as there are cores: more parts repeat work, and the tests become slower.
         let parts = std::thread::available_parallelism().map_or(2, usize::from).to_string();
         command.envs([
             ("CARGO_INCREMENTAL", "0"),
