@@ -107,19 +107,30 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     release_source(&mut analysis.input.file, &args.output);
     check_places(&args.output, &analysis.input)?;
     alone = ValuesFile::choose(&args.output, &analysis.input.file);
-    let map = analysis.saliency(&args.map, &args.border, global)?;
-    let levels = if args.per_level {
+    let mut map = analysis.saliency(&args.map, &args.border, global)?;
+    let mut levels = if args.per_level {
         saliency_per_level(&analysis.decomposer, &map.wavelets, &map.params, global.progress())
             .map_err(|e| CliError::classify(&e))?
     } else {
         Vec::new()
     };
+    if let Some(kept) = analysis.input.file.grid().and_then(|grid| grid.kept.as_deref()) {
+        let maps = std::iter::once(&mut map.saliency.map).chain(levels.iter_mut().map(|(_, level)| level));
+        maps.for_each(|map| leave_out(map, kept));
+    }
     let fields = fields(&map.saliency, &levels);
     match alone {
         Some(kind) => kind.write(global, &args.output, &fields, &analysis.input.file)?,
         None => write_colored(args, global, &analysis, &map, fields)?,
     }
     report(args, global, &analysis, &map)
+}
+
+/// Sets a map to NaN where an image or a volume has no data.
+fn leave_out(map: &mut [f64], kept: &[bool]) {
+    for (value, _) in map.iter_mut().zip(kept).filter(|(_, kept)| !**kept) {
+        *value = f64::NAN;
+    }
 }
 
 /// The color map that is asked for.

@@ -100,6 +100,9 @@ fn nothing_crosses_a_mask_and_the_rest_keeps_its_values() {
         }
         assert!(before.iter().zip(&after).any(|(a, b)| a != b) != is_in, "{line}");
     }
+    run(folder.path(), "saliency v.nii -o map.nii --levels 3 --mask mask.nii --invert-mask");
+    let map = values(&at("map.nii"));
+    assert!((0..map.len()).all(|place| map[place].is_nan() == side(place)));
     let mut other = ShapeFile::from_grid(GridLayout::new(&[9, 12, 9], &SPACINGS)).unwrap();
     other.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32(vec![1.0; 972]))).unwrap();
     write_path(&other, &at("other.nii"), None).unwrap();
