@@ -20,11 +20,26 @@ const VALUES_AT_A_TIME: usize = 1 << 14;
 pub struct GridHeat {
     axes: Axes,
     /// Places that belong to the data; all if `None`.
-    kept: Option<Arc<[bool]>>,
+    kept: Option<Kept>,
+}
+
+/// Places that belong to the data.
+#[derive(Clone, Debug)]
+struct Kept {
+    flags: Arc<[bool]>,
+    /// Range from the first to the last of them in each row along the last axis.
+    ranges: Arc<[Range<usize>]>,
 }
 
 impl GridHeat {
     pub(super) fn new(axes: Axes, kept: Option<Arc<[bool]>>) -> Self {
+        let kept = kept.map(|flags| {
+            let range = |row: &[bool]| {
+                let first = row.iter().position(|kept| *kept).unwrap_or(0);
+                first..row.iter().rposition(|kept| *kept).map_or(first, |last| last + 1)
+            };
+            Kept { ranges: flags.chunks_exact(axes.sizes[axes.sizes.len() - 1]).map(range).collect(), flags }
+        });
         Self { axes, kept }
     }
 
@@ -71,15 +86,23 @@ impl Operator for GridHeat {
             for (k, out) in rows.chunks_exact_mut(row_len).enumerate() {
                 let start = (first + k) * axes.sizes[last];
                 out.fill(0.0);
+                let part =
+                    self.kept.as_ref().map_or(0..axes.sizes[last], |kept| kept.ranges[first + k].clone());
+                if part.is_empty() {
+                    continue;
+                }
                 for axis in axes.long() {
                     let weight = self.side_weight(axis) / (4.0 * rate);
-                    let pairs = Pairs { x, n_channels, kept: self.kept.as_deref(), weight };
-                    let row = start..start + axes.sizes[last];
+                    let pairs =
+                        Pairs { x, n_channels, kept: self.kept.as_ref().map(|kept| &*kept.flags), weight };
+                    let ends = [start, start + axes.sizes[last] - 1];
+                    let places = start + part.start..start + part.end;
+                    let out = &mut out[part.start * n_channels..part.end * n_channels];
                     if axis == last {
-                        pairs.add_along(&row, axes.is_periodic[axis], out);
+                        pairs.add_along(&places, axes.is_periodic[axis].then_some(ends), out);
                     } else {
-                        let sides = axes.sides(axis, start, axes.coordinate(axis, start));
-                        sides.into_iter().flatten().for_each(|other| pairs.add(row.clone(), other, out));
+                        let sides = axes.sides(axis, places.start, axes.coordinate(axis, places.start));
+                        sides.into_iter().flatten().for_each(|other| pairs.add(places.clone(), other, out));
                     }
                 }
             }
@@ -95,9 +118,9 @@ impl Operator for GridHeat {
         if masked.len() != self.n_rows() {
             return Err(DiffusionError::RowCount { n_rows: self.n_rows(), n_vertices: masked.len() });
         }
-        let was_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept[place]);
+        let was_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept.flags[place]);
         let kept = masked.iter().enumerate().map(|(place, masked)| !masked && was_kept(place)).collect();
-        Ok(Some(Arc::new(Self { axes: self.axes.clone(), kept: Some(kept) })))
+        Ok(Some(Arc::new(Self::new(self.axes.clone(), Some(kept)))))
     }
 
     fn keeps_promises(&self) -> bool {
@@ -147,16 +170,17 @@ impl Pairs<'_> {
         }
     }
 
-    /// Adds the differences between adjacent places of a row, and between its ends if it is a ring.
-    fn add_along(&self, row: &Range<usize>, is_ring: bool, out: &mut [f64]) {
-        let (Range { start, end }, d) = (row.clone(), self.n_channels);
-        if is_ring {
-            self.add(start..start + 1, end - 1, &mut out[..d]);
+    /// Adds the differences between adjacent places of a part of a row, which others do not adjoin, and between the ends
+    /// of the row if it is a ring.
+    fn add_along(&self, part: &Range<usize>, ring: Option<[usize; 2]>, out: &mut [f64]) {
+        let (Range { start, end }, d) = (part.clone(), self.n_channels);
+        if let Some([first, last]) = ring.filter(|[first, _]| *first == start) {
+            self.add(first..first + 1, last, &mut out[..d]);
         }
         self.add(start + 1..end, start, &mut out[d..]);
         self.add(start..end - 1, start + 1, &mut out[..(end - 1 - start) * d]);
-        if is_ring {
-            self.add(end - 1..end, start, &mut out[(end - 1 - start) * d..]);
+        if let Some([first, last]) = ring.filter(|[_, last]| *last + 1 == end) {
+            self.add(last..last + 1, first, &mut out[(end - 1 - start) * d..]);
         }
     }
 }
