@@ -55,6 +55,7 @@
 
 pub mod bands;
 pub mod basis;
+mod bessel;
 mod decomposer;
 pub mod denoise;
 pub mod domain;

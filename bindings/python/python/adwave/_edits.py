@@ -223,7 +223,7 @@ def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
 
 
 LocalFit = Literal["linear", "constant"]
-NoiseModel = Literal["gaussian", "poisson", "multiplicative", "shared"]
+NoiseModel = Literal["gaussian", "poisson", "multiplicative", "rician", "shared"]
 
 
 @overload

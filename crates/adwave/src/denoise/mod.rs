@@ -15,6 +15,7 @@ mod double_sides;
 mod error;
 mod filter_rounds;
 mod impulses;
+mod magnitudes;
 mod mixture;
 mod noise_kinds;
 mod noise_level;

@@ -1,7 +1,8 @@
 //! Models of the noise of a field, and variance stabilization: values whose noise is the same everywhere.
 //!
-//! Sources: `anscombe1948` for counts, the unbiased inverse of `makitalo2011`.
+//! Sources: `anscombe1948` for counts, the unbiased inverse of `makitalo2011`; `foi2011` for magnitudes.
 
+use super::magnitudes::Magnitudes;
 use super::{DenoiseError, DenoiseParams};
 use crate::named_values;
 use serde::{Deserialize, Serialize};
@@ -18,16 +19,23 @@ pub enum NoiseModel {
     Poisson,
     /// The standard deviation is proportional to the value.
     Multiplicative,
+    /// The values are magnitudes of complex ones whose two parts have noise of the same standard deviation, as in
+    /// magnetic resonance images. The result is the magnitude without noise.
+    Rician,
 }
 
 named_values!(NoiseModel, "noise model", {
     Gaussian => "gaussian", "The same standard deviation everywhere";
     Poisson => "poisson", "A variance proportional to the value, as in counts";
     Multiplicative => "multiplicative", "A standard deviation proportional to the value";
+    Rician => "rician", "Magnitudes of complex values with noise in both parts, as in MRI";
 });
 
-/// Rounds that estimate the variance per unit of value, each with the offset of the round before.
+/// Rounds that estimate noise on which the transform depends, each with the transform of the round before.
 const GAIN_ROUNDS: usize = 3;
+
+/// Rounds for magnitudes, whose first transform is none at all.
+const MAGNITUDE_ROUNDS: usize = 8;
 
 /// Offset of Anscombe's transform, in counts.
 const OFFSET: f64 = 0.375;
@@ -51,7 +59,11 @@ impl Stabilizer {
         let model = params.noise_model;
         let mut now = Self { model, noise: params.noise.unwrap_or(0.0) };
         if params.noise.is_none() {
-            let n_rounds = if model == NoiseModel::Poisson { GAIN_ROUNDS } else { 1 };
+            let n_rounds = match model {
+                NoiseModel::Poisson => GAIN_ROUNDS,
+                NoiseModel::Rician => MAGNITUDE_ROUNDS,
+                NoiseModel::Gaussian | NoiseModel::Multiplicative => 1,
+            };
             for _ in 0..n_rounds {
                 now.noise = estimate(&now.transformed(data))?;
             }
@@ -63,7 +75,7 @@ impl Stabilizer {
     fn lowest(model: NoiseModel) -> (f64, bool) {
         match model {
             NoiseModel::Gaussian => (f64::NEG_INFINITY, true),
-            NoiseModel::Poisson => (0.0, true),
+            NoiseModel::Poisson | NoiseModel::Rician => (0.0, true),
             NoiseModel::Multiplicative => (0.0, false),
         }
     }
@@ -75,7 +87,7 @@ impl Stabilizer {
     }
 
     /// Values whose noise has the standard deviation [`noise`](Self::noise): `2·√(f + 3a/8)` with a = noise² for
-    /// Poisson noise of variance a·f, and ln f for multiplicative noise. Impossible values, of masked vertices, become
+    /// Poisson noise of variance a·f, ln f for multiplicative noise, and the stretched small values of [`Magnitudes`]. Impossible values, of masked vertices, become
     /// 0.
     pub(super) fn transformed(&self, data: &[f64]) -> Vec<f64> {
         let a = self.noise * self.noise;
@@ -84,6 +96,10 @@ impl Stabilizer {
             NoiseModel::Gaussian => f,
             NoiseModel::Poisson => 2.0 * (f + OFFSET * a).sqrt(),
             NoiseModel::Multiplicative => f.ln(),
+            NoiseModel::Rician if self.noise > 0.0 => {
+                self.noise * Magnitudes::get().transformed(f / self.noise)
+            }
+            NoiseModel::Rician => f,
         };
         data.iter().map(|f| of(*f)).collect()
     }
@@ -103,6 +119,11 @@ impl Stabilizer {
             }
             NoiseModel::Poisson => 0.25 * value * value,
             NoiseModel::Multiplicative => (value + 0.5 * smooth * self.noise * self.noise).exp(),
+            NoiseModel::Rician if self.noise > 0.0 => {
+                let (table, value) = (Magnitudes::get(), value / self.noise);
+                self.noise * (smooth * table.without_noise(value) + (1.0 - smooth) * table.inverse(value))
+            }
+            NoiseModel::Rician => value,
         }
     }
 }
@@ -155,7 +176,7 @@ mod tests {
 
     #[test]
     fn values_that_keep_their_noise_stay() {
-        for model in [NoiseModel::Gaussian, NoiseModel::Poisson, NoiseModel::Multiplicative] {
+        for model in NoiseModel::ALL.iter().copied() {
             for noise in [0.3, 2.0] {
                 let scale = stabilizer(model, noise);
                 for value in [0.5, 3.0, 1e6] {

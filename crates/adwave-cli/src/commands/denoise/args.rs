@@ -28,7 +28,7 @@ three times that. Where a fit would do harm, and where points form lines, volume
 Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the
 file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces: ends stay where
 they are, and corners stay sharp. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
-poisson noise, speckle is multiplicative. Results have no bias from the transform of the values. The result goes into the shape under the field's name or that of its
+poisson noise, speckle is multiplicative, and magnitudes of MRI are rician: their bias is removed too. Results have no bias from the transform of the values. The result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
 
 Output by extension:

@@ -255,6 +255,50 @@ fn counts_and_relative_noise_are_smoothed_without_bias_where_their_model_is_give
 }
 
 #[test]
+fn magnitudes_lose_the_bias_of_their_noise() {
+    let (decomposer, points) = decomposer(20_000);
+    let size = decomposer.diagonal();
+    // A background of 0, a dim part, and a bright one with slopes.
+    let truth: Vec<f64> = points
+        .iter()
+        .map(|p| match 10.0 * p[0] / size {
+            y if y < -1.0 => 0.0,
+            y if y < 1.0 => 4.0,
+            _ => 20.0 + 4.0 * (9.0 * p[1] / size).sin(),
+        })
+        .collect();
+    for deviation in [1.0, 2.5] {
+        let parts = [5, 6].map(|seed| noise_of(truth.len(), seed));
+        let noisy: Vec<f64> = (0..truth.len())
+            .map(|v| (truth[v] + deviation * parts[0][v]).hypot(deviation * parts[1][v]))
+            .collect();
+        let by = |model| {
+            let params = DenoiseParams::default().with_noise_model(model);
+            denoise_signal(&decomposer, &noisy, 1, &params, Progress::none()).unwrap()
+        };
+        let (found, plain) = (by(NoiseModel::Rician), by(NoiseModel::Gaussian));
+        let error = |values: &[f64]| square(values, &truth).sqrt();
+        let bias = |values: &[f64]| {
+            let background = (0..truth.len()).filter(|v| truth[*v] == 0.0);
+            background.clone().map(|v| values[v]).sum::<f64>() / background.count() as f64 / deviation
+        };
+        let text = format!(
+            "{deviation}: noise {}, error {} of {}, gaussian {}, background {} of {}",
+            found.info[0].noise,
+            error(&found.values),
+            error(&noisy),
+            error(&plain.values),
+            bias(&found.values),
+            bias(&noisy)
+        );
+        println!("{text}");
+        assert!((found.info[0].noise / deviation - 1.0).abs() < 0.06, "{text}");
+        assert!(error(&found.values) < 0.6 * error(&plain.values), "{text}");
+        assert!(bias(&found.values) < 0.35 && bias(&plain.values) > 1.0, "{text}");
+    }
+}
+
+#[test]
 fn values_that_a_model_forbids_are_refused_unless_masked() {
     let (decomposer, points) = decomposer(3000);
     let mut values: Vec<f64> = counts(&vec![20.0; points.len()], 3);
