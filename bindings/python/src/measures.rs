@@ -10,7 +10,7 @@ use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Outliers, SharedNoise, denoise, denoise_signal};
 use adwave::features::{
     Feature, FeatureParams, Refinement, Response, ShapeCoordinates, ThresholdScope, coordinate_features,
-    describe, features,
+    describe, features, value_step,
 };
 use adwave::measure::{agreement, center_distance};
 use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
@@ -168,7 +168,10 @@ fn find_features<'py>(
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
-    let is_significant = request.signal.is_none() && params.finds_significant(decomposer);
+    let of_values = decomposer.domain().grid().map(|_| value_step(signal.values));
+    let params = params.with_value_step(of_values);
+    let is_significant =
+        of_values.is_none() && request.signal.is_none() && params.finds_significant(decomposer);
     let work = |p: Progress<'_>| {
         let (found, wavelets) = if is_significant {
             let coordinates = ShapeCoordinates {

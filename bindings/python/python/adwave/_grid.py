@@ -376,8 +376,8 @@ class Grid(Generic[_Own]):
         *,
         strength: float = 1.0,
         noise: float
-        | Literal["gaussian", "poisson", "multiplicative"]
-        | tuple[Literal["gaussian", "poisson", "multiplicative"], float]
+        | Literal["gaussian", "poisson", "multiplicative", "rician"]
+        | tuple[Literal["gaussian", "poisson", "multiplicative", "rician"], float]
         | None = None,
         local_fit: LocalFit = "linear",
         progress: ProgressLike = None,
@@ -391,7 +391,8 @@ class Grid(Generic[_Own]):
         strength : float
             Factor of the noise: below 1 more careful, above 1 more thorough.
         noise : float or str or (str, float), optional
-            Standard deviation of the noise, if it is known, or how it depends on the values: ``'poisson'`` for counts.
+            Standard deviation of the noise, if it is known, or how it depends on the values: ``'poisson'`` for counts,
+            ``'rician'`` for magnitudes of magnetic resonance, whose bias is removed too.
         local_fit : {'linear', 'constant'}
             With ``'linear'`` slopes are not taken for noise.
         progress : bool or callable, optional
@@ -488,16 +489,18 @@ class Grid(Generic[_Own]):
         theta, best
             As in `adwave.features`.
         options : FeatureOptions, optional
-            As in `adwave.features`; by default the response is the band itself, a difference of Gaussians
+            As in `adwave.features`. With ``theta`` the response is by default the band itself, a difference of Gaussians
             (``response='literal'``), since the mean of a level, by which others divide, is that of the background.
         levels, sigma, accuracy, progress
-            As in `decompose`; by default until a level is 4 % of the diagonal wide.
+            As in `decompose`; by default until a level is 10 % of the diagonal wide.
 
         Returns
         -------
         Features
             A table. ``vertex`` counts places in the order of the values (`numpy.unravel_index` gives the indices),
-            ``position`` is in the unit of the spacing from the first place, and ``sigma`` is an rms width.
+            ``position`` is in the unit of the spacing from the first place, and ``sigma`` is the standard deviation of a
+            Gaussian spot of that size. Without ``theta`` and ``options`` only those are returned that noise, measured
+            around each place on the finest levels, does not explain.
 
         Examples
         --------
@@ -514,7 +517,7 @@ class Grid(Generic[_Own]):
             self._signal(signal),
             theta=theta,
             best=best,
-            options=options or FeatureOptions(response="literal"),
+            options=options or (None if theta is None else FeatureOptions(response="literal")),
             levels=wanted,
             accuracy=accuracy,
             progress=progress,

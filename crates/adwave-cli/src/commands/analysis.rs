@@ -15,7 +15,7 @@ use crate::resolve::walk::with_given_walk;
 use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
 use adwave::features::{
     CoordinateFeatures, Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features,
-    feature_extent, features,
+    feature_extent, features, value_step,
 };
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
 use adwave::signal::OutwardInfo;
@@ -237,7 +237,10 @@ impl Analysis {
         params: &FeatureParams,
         global: &Global<'_>,
     ) -> Result<FoundFeatures, CliError> {
-        if !self.finds_significant(params) {
+        if !self.is_geometry() || !self.finds_significant(params) {
+            let is_of_values = self.is_grid() && self.finds_significant(params);
+            let step = is_of_values.then(|| value_step(&self.signal.values));
+            let params = &params.with_value_step(step);
             let wavelets = self.wavelets(global, Some(params.response))?;
             let start = Instant::now();
             let found = features(&self.decomposer, &wavelets, params, global.progress());
@@ -270,7 +273,12 @@ impl Analysis {
 
     /// True if the features are those that stand out significantly, not those of Algorithm 2.
     pub(crate) fn finds_significant(&self, params: &FeatureParams) -> bool {
-        self.is_geometry() && params.finds_significant(&self.decomposer)
+        (self.is_geometry() || self.is_grid()) && params.finds_significant(&self.decomposer)
+    }
+
+    /// True for an image or a volume.
+    pub(crate) fn is_grid(&self) -> bool {
+        self.input.file.grid().is_some()
     }
 
     /// Widths σ_j of the levels 0 … J in model units.

@@ -275,7 +275,7 @@ pub fn levels_reaching(share: f64, step_length: f64, diagonal: f64) -> (usize, S
             format!("{MOST} levels, the most by default: σ_{MOST} is {percent:.3} % of the diagonal")
         }
         _ => {
-            let least = 100.0 * share;
+            let least = (1e5 * share).round() / 1e3;
             format!(
                 "{levels} levels: the first with σ_{levels} ≥ {least} % of the diagonal (it is {percent:.3} %)"
             )

@@ -11,6 +11,7 @@ mod walk;
 pub use shape::ShapeDomain;
 pub use walk::WalkDomain;
 
+use crate::grid::Grid;
 use crate::local_fit::LocalFit;
 use crate::shape::{Adjacency, PreparedGeometry, VertexMap, squared_distance};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
@@ -159,6 +160,11 @@ pub trait Domain: Debug + Send + Sync {
     /// Local fit that smoothing a field about `asked` has on this domain: a constant one if slopes cause no bias.
     fn local_fit(&self, asked: LocalFit) -> LocalFit {
         if self.positions().is_empty() { LocalFit::Constant } else { asked }
+    }
+
+    /// The grid of an image or a volume, on which noise is known on each level; `None` for another domain.
+    fn grid(&self) -> Option<&Grid> {
+        None
     }
 
     /// The prepared mesh, cloud or graph, for faces, normals and volumes, which only shapes have.

@@ -1,6 +1,7 @@
 //! Feature detection (Algorithm 2).
 
 use super::components::Means;
+use super::grid::grid_features;
 use super::refine::{TangentNeighborhood, edge_ratio, refined_position, refined_sigma};
 use super::response::{ResponseLayer, layers};
 use super::{Feature, FeatureError, FeatureParams, Refinement, select_spread};
@@ -22,6 +23,12 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 /// If neighbors tie to within 1e-9 of the response, the finer level wins, then the vertex that comes first along
 /// the space-filling curve of the analysis order. The features are the same for any order of the file's vertices
 /// and any number of threads.
+///
+/// On a [grid](crate::grid::Grid), unless θ, a response or the scope is given, features are those that noise does not
+/// explain: `|W(j,x)|` exceeds 7 standard deviations of independent noise on level j, as large as the medians of `|W|` on
+/// the four finest dyadic levels around x tell; it exceeds W at 1.25 σ_j in all directions by 5.5 of them and by a quarter
+/// of itself, and by more if σ_j is a few places; and x is farther than σ_j from the border. Their strength is in these
+/// standard deviations, and their σ is the standard deviation of a Gaussian blob.
 ///
 /// Source: Algorithm 2, whose printed threshold lacks the bars of |R|; see [`Response`](super::Response) for R. On
 /// a mesh the neighborhood is two rings, whatever one step of the diffusion covers.
@@ -61,6 +68,11 @@ pub fn features(
     let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.n_places());
     if n_bands != n_vertices {
         return Err(FeatureError::OtherShape { n_bands, n_vertices });
+    }
+    if let Some(grid) = decomposer.domain().grid()
+        && params.finds_significant(decomposer)
+    {
+        return grid_features(decomposer, grid, wavelets, params, progress);
     }
     let population = Population::new(decomposer);
     let ring = decomposer.ring(progress)?;

@@ -11,6 +11,7 @@ mod coordinates;
 mod descriptor;
 mod detect;
 mod disk;
+mod grid;
 mod matching;
 mod params;
 mod refine;
@@ -23,6 +24,7 @@ pub use best::select_spread;
 pub use coordinates::{CoordinateFeatureError, CoordinateFeatures, ShapeCoordinates, coordinate_features};
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::{features, is_extremum};
+pub use grid::value_step;
 pub use matching::{Match, match_features};
 pub use params::{
     DEFAULT_THETA, FEATURE_EXTENT, FeatureParams, Refinement, Response, ThresholdScope, feature_extent,

@@ -16,12 +16,16 @@ pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
 /// of the level before are 12 edges wide.
 const LEAST_EDGES: f64 = 17.0;
 
-/// Largest width of the last level that those edges lead to, as a share of the extent: wider ones are the shape itself.
+/// Largest width of the last level, as a share of the extent: wider ones are the shape itself.
 const MOST_EXTENT: f64 = 0.1;
 
 /// Default width of the last level for features, as a share of the extent of the shape: [`FEATURE_EXTENT`]; for heat on
-/// a mesh at least 17 mean edges, but for that no more than 0.1.
+/// a mesh at least 17 mean edges, but for that no more than 0.1. On a grid it is 0.1, so that the widest spots that are
+/// found have a standard deviation of 4 % of the diagonal.
 pub fn feature_extent(decomposer: &Decomposer) -> f64 {
+    if decomposer.domain().grid().is_some() {
+        return MOST_EXTENT;
+    }
     if !FeatureParams::default().finds_significant(decomposer)
         || decomposer.operator_kind() == OperatorKind::Walk
     {
@@ -108,6 +112,9 @@ pub struct FeatureParams {
     /// Number of features to keep; the strong ones, well spread (see [`select_spread`](super::select_spread)). For the
     /// coordinates of a mesh they are those of the largest |C|.
     pub best: Option<usize>,
+    /// Step to which the values of a grid are rounded, in their unit ([`value_step`](super::value_step)); `None` if they
+    /// are not. Features of the error of rounding are not significant.
+    pub value_step: Option<f64>,
 }
 
 impl FeatureParams {
@@ -122,16 +129,20 @@ impl FeatureParams {
         self.theta.unwrap_or(DEFAULT_THETA)
     }
 
-    /// True if the coordinates of the shape of `decomposer` have significant features
-    /// ([`coordinate_features`](super::coordinate_features)): on a cloud, unless channels are searched separately; on a
-    /// mesh with heat on the surface, unless θ, a response or the scope asks for Algorithm 2.
+    /// True if the features of the values of a grid ([`features`](super::features)), or of the coordinates of the shape
+    /// of `decomposer` ([`coordinate_features`](super::coordinate_features)), are significant ones: on a cloud, unless
+    /// channels are searched separately; on a grid, and on a mesh with heat on the surface, unless θ, a response or the
+    /// scope asks for Algorithm 2.
     pub fn finds_significant(&self, decomposer: &Decomposer) -> bool {
+        let is_default =
+            (self.theta, self.response, self.scope) == (None, Response::default(), ThresholdScope::default());
+        if decomposer.domain().grid().is_some() {
+            return is_default;
+        }
         let Some(geometry) = decomposer.geometry() else { return false };
         if geometry.shape().is_cloud() {
             return self.response != Response::Channels;
         }
-        let is_default =
-            (self.theta, self.response, self.scope) == (None, Response::default(), ThresholdScope::default());
         is_default && decomposer.operator_kind() == OperatorKind::Surface && !geometry.triangles().is_empty()
     }
 
@@ -171,6 +182,12 @@ impl FeatureParams {
         Self { best: best.into(), ..self }
     }
 
+    /// Sets the step to which the values of a grid are rounded; `None` if they are not.
+    #[must_use]
+    pub fn with_value_step(self, step: impl Into<Option<f64>>) -> Self {
+        Self { value_step: step.into(), ..self }
+    }
+
     /// Checks that every number is in its range.
     ///
     /// # Errors
@@ -179,9 +196,11 @@ impl FeatureParams {
         if let Some(theta) = self.theta.filter(|theta| !(theta.is_finite() && *theta > 0.0)) {
             return Err(FeatureError::Theta { theta });
         }
-        for (what, value, least) in
-            [("edge ratio", self.max_edge_ratio, 1.0), ("distance from the border", self.border_sigmas, 0.0)]
-        {
+        for (what, value, least) in [
+            ("edge ratio", self.max_edge_ratio, 1.0),
+            ("distance from the border", self.border_sigmas, 0.0),
+            ("step of the values", self.value_step, 0.0),
+        ] {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v >= least)) {
                 return Err(FeatureError::Option { what, value, least });
             }

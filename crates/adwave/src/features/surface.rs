@@ -137,7 +137,9 @@ pub(super) fn mesh_features(
             disks.pop_front();
         }
     }
-    let mut features = without_side_lobes(&found, decomposer.positions(), progress.quiet())?;
+    let points = decomposer.positions();
+    let places: Vec<[f64; 3]> = found.iter().map(|feature| points[feature.vertex]).collect();
+    let mut features = without_side_lobes(&found, &places, progress.quiet())?;
     features.sort_by(|a, b| {
         a.level.cmp(&b.level).then(b.strength.total_cmp(&a.strength)).then(a.vertex.cmp(&b.vertex))
     });
@@ -498,23 +500,22 @@ impl<'a> Disks<'a> {
     }
 }
 
-/// The features that are neither a side lobe of others nor a weaker answer to the same detail, in the given order; their
-/// vertices are welded ones.
+/// The features that are neither a side lobe of others nor a weaker answer to the same detail, in the given order;
+/// `places` are their positions.
 ///
 /// Beside a bump of Gaussian section its band is negative, by 13 % of its height at the width of the bump and by less on
 /// coarser levels. A feature stays if its contrast is at least twice what all details of the opposite sign explain.
-fn without_side_lobes(
+pub(super) fn without_side_lobes(
     found: &[Feature],
-    points: &[[f64; 3]],
+    places: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<Feature>, Cancelled> {
-    let places: Vec<[f64; 3]> = found.iter().map(|feature| points[feature.vertex]).collect();
     let n_levels = found.iter().map(|feature| feature.level).max().unwrap_or(0);
     let grid = |j: usize| {
         let of_level: Vec<u32> = (0..found.len() as u32).filter(|&k| found[k as usize].level == j).collect();
         let widest = of_level.iter().map(|&k| found[k as usize].sigma).fold(0.0, f64::max);
         let size = (SIDE_LOBE_REACH * widest).max(f64::MIN_POSITIVE);
-        Ok((widest, PointGrid::new(&places, &of_level, size, progress)?))
+        Ok((widest, PointGrid::new(places, &of_level, size, progress)?))
     };
     let grids: Vec<(f64, PointGrid)> = (0..=n_levels).map(grid).collect::<Result<_, Cancelled>>()?;
     let is_explained = |k: usize| {
@@ -522,7 +523,7 @@ fn without_side_lobes(
         let (mut explained, mut is_same) = (0.0, false);
         for (j, (widest, grid)) in grids.iter().enumerate() {
             let reach = SIDE_LOBE_REACH * widest.max(own.sigma);
-            grid.visit_within(&places, &places[k], reach, |m, away| {
+            grid.visit_within(places, &places[k], reach, |m, away| {
                 let other = &found[m];
                 let (own_size, other_size) = (own.response.abs(), other.response.abs());
                 let sigma = own.sigma.max(other.sigma);
@@ -541,7 +542,7 @@ fn without_side_lobes(
         }
         is_same || own.response.abs() < explained
     };
-    let explained: Vec<bool> = parallel::map_items(points.len(), found.len(), is_explained);
+    let explained: Vec<bool> = parallel::map_items(found.len(), found.len(), is_explained);
     let kept = found.iter().zip(explained).filter(|(_, is_explained)| !is_explained);
     Ok(kept.map(|(feature, _)| feature.clone()).collect())
 }

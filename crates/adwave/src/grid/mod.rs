@@ -22,12 +22,13 @@
 
 mod heat;
 mod lines;
+mod places;
 
 pub use heat::GridHeat;
+pub(crate) use places::Patches;
 
 use crate::domain::Domain;
-use crate::shape::{Adjacency, VertexMap};
-use crate::vector::add_scaled;
+use crate::shape::{Adjacency, VertexMap, squared_distance};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -256,13 +257,7 @@ impl Domain for Grid {
 
     fn positions(&self) -> &[[f64; 3]] {
         self.positions.get_or_init(|| {
-            let (axes, frame) = (&self.axes, &self.frame);
-            crate::parallel::collect(axes.n_places(), |place| {
-                let steps = frame.steps.iter().enumerate();
-                steps.fold(frame.origin, |at, (axis, step)| {
-                    add_scaled(&at, axes.coordinate(axis, place) as f64, step)
-                })
-            })
+            crate::parallel::collect(self.n_places(), |place| self.position_at(self.coordinates(place)))
         })
     }
 
@@ -331,6 +326,15 @@ impl Domain for Grid {
             is_part(*place) && ends
         };
         Ok((0..self.n_places()).filter(is_border).collect())
+    }
+
+    fn squared_length(&self, x: usize, y: usize) -> f64 {
+        let (at, other) = (self.position_at(self.coordinates(x)), self.position_at(self.coordinates(y)));
+        squared_distance(&at, &other)
+    }
+
+    fn grid(&self) -> Option<&Grid> {
+        Some(self)
     }
 
     fn may_fill_volume(&self) -> bool {

@@ -16,6 +16,7 @@ mod face_fields;
 mod filters;
 mod frame;
 mod given_normals;
+mod grid_features;
 mod grids;
 mod laws;
 mod local_fit;

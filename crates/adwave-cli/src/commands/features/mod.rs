@@ -51,7 +51,8 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliError> {
     let mut analysis = Analysis::new(args.analysis(), global)?;
     let mut params = args.detect.to_params(&args.border);
-    if analysis.input.file.grid().is_some() && !global.given.has("--response") {
+    let is_significant = analysis.finds_significant(&params);
+    if analysis.is_grid() && !is_significant && !global.given.has("--response") {
         // The mean of a level, by which the usual response divides, is that of the background of an image.
         params = params.with_response(Response::Literal);
     }
@@ -69,8 +70,17 @@ fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliErro
 fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     let Detection { analysis, features, .. } = detection;
     let mut text = analysis.headline();
-    if analysis.finds_significant(&args.detect.to_params(&args.border)) && analysis.input.shape.is_mesh() {
-        text += "features stand out from what the triangles and noise can cause; strength is in standard deviations\n";
+    if analysis.finds_significant(&args.detect.to_params(&args.border)) {
+        text += match (analysis.input.shape.is_mesh(), analysis.is_grid()) {
+            (true, _) => {
+                "features stand out from what the triangles and noise can cause; strength is in standard deviations\n"
+            }
+            (_, true) => {
+                "features stand out from what noise can cause; strength is in standard deviations of noise that is taken as \
+                 independent of place to place\n"
+            }
+            _ => "",
+        };
     }
     if features.is_empty() {
         let _ = writeln!(text, "no features: {}", suggestion(args, analysis));

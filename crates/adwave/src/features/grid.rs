@@ -1,0 +1,252 @@
+//! Features of the values of an image or a volume, independent of its noise.
+//!
+//! Independent noise is known on every level from the kernel of heat, so that the finest levels tell its size around each
+//! place. A feature exceeds by many times what that noise can cause, and all places around it by a part of its height: an
+//! edge, whose band is as large along it as at its extrema, is none.
+
+use super::best::select_spread_by;
+use super::refine::{TangentNeighborhood, edge_ratio, parabola_peak};
+use super::response::ResponseLevel;
+use super::surface::without_side_lobes;
+use super::{Feature, FeatureError, FeatureParams, Refinement};
+use crate::bands::Wavelets;
+use crate::grid::{Grid, MAX_AXES, Patches};
+use crate::shape::Adjacency;
+use crate::{Decomposer, Progress, parallel};
+
+/// Least response of a feature, in standard deviations due to noise.
+const SIGNIFICANT: f64 = 7.0;
+
+/// Least difference between a feature and the largest response around it, in standard deviations due to noise.
+const SIGNIFICANT_DROP: f64 = 5.5;
+
+/// Radius at which a feature is compared with its surroundings, in σ_j.
+const AROUND: f64 = 1.25;
+
+/// Least difference from the largest response around, relative to the feature, and its increase for places as far apart
+/// as σ_j: places are squares, so that the edge of a shape rises and falls along it. It falls with the square of σ_j.
+const DROP: [f64; 2] = [0.25, 0.5];
+
+/// Distance from a border in σ_j up to which there are no features: a border reflects the values, so that a slope has a
+/// crease there.
+const BORDER: f64 = 1.0;
+
+/// Number of the finest dyadic levels by which noise is measured: neighbors that share it up to 2 places apart make it
+/// seem smaller on finer ones.
+const NOISE_LEVELS: usize = 4;
+
+/// Width, in the finest spacing, up to which a level measures noise: that of the last of those levels.
+const WIDEST_OF_NOISE: f64 = 2.9;
+
+/// Standard deviation of values that are rounded, in steps.
+const ROUNDED: f64 = 0.289;
+
+/// Width σ_j of the level on which a Gaussian blob has its largest band, in standard deviations of the blob, for one, two
+/// and three axes: the maximum of `(1 + u/2)^(−d/2) − (1 + u)^(−d/2)` over u = σ²/2.
+const WIDTH_OF_BLOB: [f64; MAX_AXES] = [2.386, 1.682, 1.370];
+
+/// Relative difference of responses that are equal.
+const TIE: f64 = 1e-9;
+
+/// Number of places that a thread processes at a time.
+const PLACES_AT_A_TIME: usize = 1 << 12;
+
+/// Finds the significant features of the values of a grid; see [`features`](super::features).
+pub(super) fn grid_features(
+    decomposer: &Decomposer,
+    grid: &Grid,
+    wavelets: &Wavelets,
+    params: &FeatureParams,
+    progress: Progress<'_>,
+) -> Result<Vec<Feature>, FeatureError> {
+    let n_levels = wavelets.n_levels();
+    let levels: Vec<_> = (1..=n_levels).map(|j| wavelets.level_norms(j)).collect();
+    let of_noise: Vec<f64> = wavelets.sigma.windows(2).map(|pair| deviation_of_noise(grid, pair)).collect();
+    let finest = WIDEST_OF_NOISE * decomposer.domain().spacings()[0];
+    let n_measured = wavelets.sigma[1..].iter().take_while(|sigma| **sigma <= finest).count();
+    let measured: Vec<(&[f64], f64)> =
+        (0..n_measured.clamp(1, NOISE_LEVELS)).map(|k| (levels[k].as_ref(), of_noise[k])).collect();
+    let largest =
+        levels.iter().map(|level| parallel::max(level.len(), 0.0, |x| level[x].abs())).fold(0.0, f64::max);
+    let ring = decomposer.ring(progress)?;
+    let border_sigmas = params.border_sigmas.unwrap_or(BORDER);
+    let from_border = decomposer.distance_from_border(border_sigmas * wavelets.sigma[n_levels], progress)?;
+    let search = Search {
+        grid,
+        ring: &ring,
+        noise: grid.noise(&measured),
+        least: wavelets.info.error_bound.max(f64::EPSILON) * largest / SIGNIFICANT,
+        params,
+    };
+    let mut found = Vec::new();
+    for j in 2..n_levels {
+        progress.step(j as u64 - 2, n_levels as u64 - 2)?;
+        let level = Level {
+            levels: [&levels[j - 2], &levels[j - 1], &levels[j]],
+            sigma: [wavelets.sigma[j - 1], wavelets.sigma[j], wavelets.sigma[j + 1]],
+            of_noise: of_noise[j - 1],
+            around: grid.shell(AROUND * wavelets.sigma[j]),
+        };
+        let reach = border_sigmas * wavelets.sigma[j];
+        let here = level.levels[1];
+        let candidates = parallel::try_map_chunks(
+            here.len(),
+            PLACES_AT_A_TIME,
+            progress,
+            || (),
+            |(), range| {
+                let inside = range.filter(|&x| from_border[x] > reach);
+                inside.filter_map(|x| search.candidate(x, &level, decomposer)).collect::<Vec<Feature>>()
+            },
+        )?;
+        found.extend(candidates.into_iter().flatten().map(|feature| Feature { level: j, ..feature }));
+    }
+    let places: Vec<[f64; 3]> = found.iter().map(|feature| grid.position(feature.vertex)).collect();
+    let mut features = without_side_lobes(&found, &places, progress.quiet())?;
+    features.sort_by(|a, b| {
+        a.level.cmp(&b.level).then(b.strength.total_cmp(&a.strength)).then(a.vertex.cmp(&b.vertex))
+    });
+    if let Some(best) = params.best {
+        features = select_spread_by(&features, best, |feature| feature.response.abs());
+    }
+    Ok(features)
+}
+
+/// Standard deviation of independent noise of variance 1 on the level between two widths, the square root of
+/// `K(2a²) − 2K(a² + b²) + K(2b²)` with K(σ²) the share of a unit that heat of width σ leaves at its place.
+fn deviation_of_noise(grid: &Grid, sigma: &[f64]) -> f64 {
+    let [a, b] = [sigma[0].powi(2), sigma[1].powi(2)];
+    let variance = grid.own_share(2.0 * a) - 2.0 * grid.own_share(a + b) + grid.own_share(2.0 * b);
+    variance.max(0.0).sqrt()
+}
+
+/// A level with those beside it.
+struct Level<'a> {
+    /// Responses of the level before, of this one and of the next.
+    levels: [&'a [f64]; 3],
+    /// Widths of these levels in model units.
+    sigma: [f64; 3],
+    /// Standard deviation of noise of variance 1.
+    of_noise: f64,
+    /// Steps to the places with which a feature is compared.
+    around: Vec<[isize; MAX_AXES]>,
+}
+
+struct Search<'a> {
+    grid: &'a Grid,
+    ring: &'a Adjacency,
+    noise: Patches,
+    /// Error of the bands, in units of the response.
+    least: f64,
+    params: &'a FeatureParams,
+}
+
+impl Search<'_> {
+    /// The feature at a place, if it is significant.
+    fn candidate(&self, x: usize, level: &Level<'_>, decomposer: &Decomposer) -> Option<Feature> {
+        let [finer, here, coarser] = level.levels;
+        let response = here[x];
+        let deviation = self.deviation(x, level);
+        if response.is_nan() || response.abs() <= SIGNIFICANT * deviation {
+            return None;
+        }
+        let sign = response.signum();
+        let height = response.abs();
+        let tie = TIE * height;
+        if sign * finer[x] >= height - tie || sign * coarser[x] > height + tie {
+            return None;
+        }
+        let is_below = |y: u32| {
+            let difference = height - sign * here[y as usize];
+            y as usize == x || difference > tie || (difference >= -tie && x < y as usize)
+        };
+        let neighbors = self.ring.row(x);
+        let is_peak = neighbors.iter().all(|&y| {
+            is_below(y)
+                && sign * finer[y as usize] < height - tie
+                && sign * coarser[y as usize] <= height + tie
+                && self.ring.row(y as usize).iter().all(|&z| is_below(z))
+        });
+        if !is_peak {
+            return None;
+        }
+        let around = level.around.iter().filter_map(|step| self.grid.place_at(x, step));
+        let largest =
+            around.map(|y| sign * here[y]).filter(|r| !r.is_nan()).fold(f64::NEG_INFINITY, f64::max);
+        let spacings = (self.grid.coarsest() / level.sigma[1]).min(1.0);
+        let least = (DROP[0] + DROP[1] * spacings * spacings) * height;
+        if height - largest <= least.max(SIGNIFICANT_DROP * deviation) {
+            return None;
+        }
+        let heights = level.levels.map(|level| sign * level[x]);
+        let n_axes = self.grid.n_long_axes().clamp(1, MAX_AXES);
+        let mut feature = Feature {
+            vertex: x,
+            position: Some(self.grid.position(x)),
+            level: 0,
+            sigma: parabola_peak(level.sigma, heights) / WIDTH_OF_BLOB[n_axes - 1],
+            response,
+            strength: height / deviation,
+            channel: None,
+        };
+        if let Some(most) = self.params.max_edge_ratio {
+            let local = TangentNeighborhood::new(decomposer, neighbors, x);
+            if edge_ratio(&local, &ResponseLevel::plain(here)).is_none_or(|ratio| ratio > most) {
+                return None;
+            }
+        }
+        if self.params.refinement == Refinement::Quadratic {
+            feature.position = Some(self.grid.position_at(self.refined(x, here)));
+        }
+        Some(feature)
+    }
+
+    /// Standard deviation of the response at a place due to noise, to rounded values and to the error of the bands. Noise
+    /// of half a step spreads the error of rounding evenly over all widths; without it, that error is the same at
+    /// neighbors.
+    fn deviation(&self, x: usize, level: &Level<'_>) -> f64 {
+        let noise = self.noise.at(x);
+        let step = self.params.value_step.unwrap_or(0.0);
+        let rounded = if noise < 0.5 * step { ROUNDED * step } else { 0.0 };
+        (noise * level.of_noise).max(rounded).max(self.least)
+    }
+
+    /// The place of the maximum of a parabola along each axis, in places.
+    fn refined(&self, x: usize, here: &[f64]) -> [f64; MAX_AXES] {
+        let at = self.grid.coordinates(x);
+        std::array::from_fn(|axis| {
+            let side = |step: isize| {
+                let mut steps = [0; MAX_AXES];
+                steps[axis] = step;
+                self.grid.place_at(x, &steps).map_or(f64::NAN, |y| here[y])
+            };
+            let (before, after) = (side(-1), side(1));
+            let shift = 0.5 * (before - after) / (before - 2.0 * here[x] + after);
+            at[axis] + if shift.is_finite() { shift.clamp(-0.5, 0.5) } else { 0.0 }
+        })
+    }
+}
+
+/// Step to which values are rounded: the smallest difference that they have often, and 0 for values that are not finite.
+///
+/// The first percent of the differences between successive values of up to 100,000 of them in ascending order. For values
+/// with fractions it is far below their noise.
+///
+/// ```
+/// use adwave::features::value_step;
+/// let counts: Vec<f64> = (0..1000).map(|i| 2.0 * f64::from(i * 7919 % 50)).collect();
+/// assert_eq!(value_step(&counts), 2.0);
+/// ```
+pub fn value_step(values: &[f64]) -> f64 {
+    const MOST: usize = 100_000;
+    let stride = values.len().div_ceil(MOST).max(1);
+    let mut sorted: Vec<f64> = values.iter().copied().step_by(stride).filter(|v| v.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let mut gaps: Vec<f64> =
+        sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 0.0).collect();
+    if gaps.is_empty() {
+        return 0.0;
+    }
+    let first = gaps.len() / 100;
+    *gaps.select_nth_unstable_by(first, f64::total_cmp).1
+}
