@@ -253,6 +253,9 @@ pub(crate) const VTK_XML: &[&str] = &[
     "NumberOfPoints=\"",
     "NumberOfComponents=\"3\"",
     "Extent=\"0 1 0 1 0 1\"",
+    "Direction=\"0 1 0 1 0 0 0 0 1\"",
+    "Spacing=\"1 0.5 2\"",
+    "Name=\"vtkGhostType\"",
 ];
 
 pub(crate) const VTK: &[&str] = &[

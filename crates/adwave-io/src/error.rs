@@ -20,7 +20,7 @@ pub enum ReadError {
     #[error("the file cannot be read ({0}); check that it exists and is readable")]
     Io(#[from] io::Error),
     /// The file has no bytes.
-    #[error("the file is empty; it must contain vertices")]
+    #[error("the file is empty; it must contain a shape, an image or a volume")]
     Empty,
     /// Neither content nor name identifies a format that can be read.
     #[error("is of an unknown format ({found}); formats that can be read: {readable}")]

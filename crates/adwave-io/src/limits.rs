@@ -44,11 +44,17 @@ pub(crate) fn most_numbered(n_items: usize) -> u64 {
 impl ReadLimits {
     /// Checks a number of vertices.
     pub(crate) fn check_points(&self, n_points: u64) -> Result<(), ReadError> {
+        self.check_rows("vertices", n_points)
+    }
+
+    /// Checks a number of places of a grid.
+    pub(crate) fn check_places(&self, n_places: u64) -> Result<(), ReadError> {
+        self.check_rows("places", n_places)
+    }
+
+    fn check_rows(&self, what: &'static str, found: u64) -> Result<(), ReadError> {
         let limit = self.max_points.min(u64::from(u32::MAX));
-        if n_points > limit {
-            return Err(ReadError::Limit { what: "vertices", found: n_points, limit });
-        }
-        Ok(())
+        if found > limit { Err(ReadError::Limit { what, found, limit }) } else { Ok(()) }
     }
 
     /// Checks a number of bytes.

@@ -665,7 +665,7 @@ def read(
     """Read a shape from a file.
 
     The format is recognized by the content first and by the name second: OBJ, PLY, OFF, STL, glTF, GLB, XYZ, PTS, PWN, CSV, PCD,
-    LAS, LAZ, E57, GIFTI, FreeSurfer, VTK (VTP, VTU, VTI, VTR, VTS, legacy), Gmsh, Medit, AMF, 3MF, Geomview, DMAT; MatrixMarket,
+    LAS, LAZ, E57, GIFTI, FreeSurfer, VTK (VTP, VTU, VTR, VTS, legacy), Gmsh, Medit, AMF, 3MF, Geomview, DMAT; MatrixMarket,
     TGF, GraphML and lists of edges (graphs); plain or gzip.
 
     Parameters

@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, count, output_format, print, write_shape};
 use crate::resolve::applicable::check_source_options;
-use crate::resolve::shape::{Rest, SelectionUse, ShapeSource, load_source, select};
+use crate::resolve::shape::{Rest, SelectionUse, ShapeSource, load_source, row_words, select};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -61,18 +61,18 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
     let report = write_shape(global, file, &args.output)?;
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());
     let output = args.output.display();
+    let faces = if file.grid().is_some() { String::new() } else { count(n_faces, "face", "faces") + ", " };
     print(
         global,
         &format!(
-            "{}, {}, {}\n{output}\n",
+            "{}, {faces}{}\n{output}\n",
             input.count_rows(),
-            count(n_faces, "face", "faces"),
             count(file.vertex_fields().len(), "field", "fields")
         ),
         &json!({
             "input": input.name,
             "format": file.format().map(adwave_io::Format::name),
-            "vertices": n_vertices,
+            row_words(file)[1]: n_vertices,
             "faces": n_faces,
             "fields": file.field_names(),
             "not_written": report.not_written,

@@ -8,7 +8,7 @@ use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, wr
 use crate::output::{bounds_json, bounds_text, check_writable, count, note, number, print};
 use crate::resolve::operator::{operator_for_task, prepare};
 use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{Input, load_shape, row_words};
 use adwave::Decomposer;
 use adwave::operator::OperatorTask;
 use adwave::region::{FarPoint, Region};
@@ -62,15 +62,16 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     })?;
     note_region(&region, &input.file, &decomposer, global)?;
     let coverage = Coverage::new(&weights, &input, &decomposer);
+    let [one, many] = input.row_words();
     if coverage.n_inside == 0 {
-        note(global, "no vertex is in the region; try a larger radius or another place");
+        note(global, &format!("no {one} is in the region; try a larger radius or another place"));
     }
-    let mut text = format!("{}: {}\n", input.name, count(weights.len(), "vertex", "vertices"));
-    coverage.describe(&mut text, decomposer.extent());
+    let mut text = format!("{}: {}\n", input.name, count(weights.len(), one, many));
+    coverage.describe(&mut text, [one, many], decomposer.extent());
     let json = json!({
         "shape": input.name,
         "output": args.output.as_ref().map(|path| path.display().to_string()),
-        "vertices": weights.len(),
+        row_words(&input.file)[1]: weights.len(),
         "region": region,
         "weight_above_0": coverage.n_inside,
         "weight_1": coverage.n_full,
@@ -140,9 +141,9 @@ impl Coverage {
         }
     }
 
-    fn describe(&self, text: &mut String, diagonal: f64) {
-        let _ = writeln!(text, "  weight above 0   {}", count(self.n_inside, "vertex", "vertices"));
-        let _ = writeln!(text, "  weight 1         {}", count(self.n_full, "vertex", "vertices"));
+    fn describe(&self, text: &mut String, [one, many]: [&str; 2], diagonal: f64) {
+        let _ = writeln!(text, "  weight above 0   {}", count(self.n_inside, one, many));
+        let _ = writeln!(text, "  weight 1         {}", count(self.n_full, one, many));
         if let (Some(all), Some(weighted)) = (self.area_share, self.weighted_area_share) {
             let (all, weighted) = (number(100.0 * all), number(100.0 * weighted));
             let _ =

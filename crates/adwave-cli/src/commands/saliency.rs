@@ -11,6 +11,7 @@ use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
 use crate::output::{
     check_writable, clone_for_output, number, percent_of, print, release_source, table, write_shape,
 };
+use crate::resolve::shape::row_words;
 use adwave::saliency::{MapWeighting, Saliency, SaliencyLevel, saliency_per_level};
 use adwave_io::{Field, FieldValues};
 use adwave_render::{ColorMap, value_range};
@@ -144,13 +145,15 @@ fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
 
 fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &Map) -> Result<(), CliError> {
     let saliency = &map.saliency;
+    let [one, _] = analysis.input.row_words();
+    let [row, rows] = row_words(&analysis.input.file);
     let mut text = analysis.headline();
     text += &format!("{}\n\n", map.sides());
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
         saliency.levels.iter().map(|l| {
             let percent = percent_of(l.sigma, analysis.decomposer.extent());
-            let alpha = if l.alpha.is_nan() { "per vertex".to_owned() } else { number(l.alpha) };
+            let alpha = if l.alpha.is_nan() { format!("per {one}") } else { number(l.alpha) };
             [l.level.to_string(), number(l.sigma), percent, number(l.mean), number(l.max), alpha]
         }),
     );
@@ -159,10 +162,10 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     let most = known().max_by(|a, b| a.1.total_cmp(b.1)).map(in_file);
     let least = known().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| map.is_signed).map(in_file);
     if let Some((vertex, value)) = most {
-        text += &format!("\nlargest at vertex {vertex}: {}\n", number(*value));
+        text += &format!("\nlargest at {one} {vertex}: {}\n", number(*value));
     }
     if let Some((vertex, value)) = least {
-        text += &format!("smallest at vertex {vertex}: {}\n", number(*value));
+        text += &format!("smallest at {one} {vertex}: {}\n", number(*value));
     }
     text += &analysis.timing("map", map.seconds);
     text += &args.output.display().to_string();
@@ -170,7 +173,7 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
         "field": analysis.name,
-        "vertices": analysis.decomposer.n_vertices(),
+        rows: analysis.decomposer.n_vertices(),
         "operator": analysis.decomposer.operator_kind().name(),
         "sides": map.sides_json(),
         "levels_reason": analysis.levels_reason,
@@ -178,9 +181,9 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
             "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,
             "alpha": if l.alpha.is_nan() { None } else { Some(l.alpha) },
         })).collect::<Vec<_>>(),
-        "largest_vertex": most.map(|m| m.0),
+        format!("largest_{row}"): most.map(|m| m.0),
         "largest": most.map(|m| m.1),
-        "smallest_vertex": least.map(|m| m.0),
+        format!("smallest_{row}"): least.map(|m| m.0),
         "smallest": least.map(|m| m.1),
         "seconds": {
             "read": analysis.seconds.read, "diffusion": analysis.seconds.diffusion, "bands": analysis.seconds.bands,

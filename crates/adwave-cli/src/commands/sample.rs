@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{check_writable, count, output_format, print, table, write_shape};
-use crate::resolve::shape::{SampleSize, make_sample};
+use crate::resolve::shape::{SampleSize, make_sample, row_words};
 use adwave::sample::{GRID_SAMPLE_NAMES, SAMPLE_NAMES, SampleInfo};
 use adwave_io::ShapeFile;
 use clap::{Args, ValueEnum};
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
         &format!("{name}: {}\n{}\n", describe(&file), output.display()),
         &json!({
             "sample": name,
-            "vertices": n_vertices,
+            row_words(&file)[1]: n_vertices,
             "faces": n_faces,
             "output": output.display().to_string(),
         }),

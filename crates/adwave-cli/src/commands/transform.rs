@@ -16,7 +16,7 @@ use crate::output::{
 };
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{Input, load_shape, row_words};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::walk::with_given_walk;
 use adwave::Decomposer;
@@ -181,10 +181,11 @@ fn report(
     let energy = bands.energy(&job.decomposer.areas())?;
     let diagonal = job.decomposer.extent();
     let name = args.signal.name_on(&job.input.file);
+    let [one, many] = job.input.row_words();
     let mut text = format!(
         "{}: {}, {} of {name}\n{}\n\n",
         job.input.name,
-        count(bands.n_vertices, "vertex", "vertices"),
+        count(bands.n_vertices, one, many),
         count(bands.n_channels, "channel", "channels"),
         job.levels_reason,
     );
@@ -212,7 +213,7 @@ fn report(
         "output": args.output.display().to_string(),
         "field": name,
         "operator": job.decomposer.operator_kind().name(),
-        "vertices": bands.n_vertices,
+        row_words(&job.input.file)[1]: bands.n_vertices,
         "channels": bands.n_channels,
         "levels": bands.n_levels(),
         "levels_reason": job.levels_reason,

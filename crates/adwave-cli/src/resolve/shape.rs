@@ -234,7 +234,7 @@ fn open_own_domain(name: &str, global: &Global<'_>) -> Result<Option<Decomposer>
 }
 
 /// The words for one place of a file and for several.
-fn row_words(file: &ShapeFile) -> [&'static str; 2] {
+pub(crate) fn row_words(file: &ShapeFile) -> [&'static str; 2] {
     match file.grid().map(|grid| grid.sizes.len()) {
         Some(1) => ["sample", "samples"],
         Some(2) => ["pixel", "pixels"],

@@ -190,3 +190,54 @@ fn features_and_regions_are_in_the_coordinates_of_the_file() {
     assert!(!changed.is_empty() && changed.len() < 80, "{} places", changed.len());
     assert!(changed.contains(&(24 * 40 + 12)));
 }
+
+#[test]
+fn a_volume_of_vtk_keeps_its_arrays_and_speaks_of_voxels() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write_path(&volume(rough), &at("v.nii.gz"), None).unwrap();
+    let report = json(folder.path(), "convert v.nii.gz -o v.vti");
+    assert_eq!((&report["voxels"], &report["vertices"]), (&1080.into(), &serde_json::Value::Null));
+    let (nifti, vti) = (at("v.nii.gz"), at("v.vti"));
+    let layouts =
+        [&nifti, &vti].map(|path| read_path(path, &ReadLimits::default()).unwrap().grid().cloned().unwrap());
+    assert_eq!((&layouts[0].steps, layouts[0].origin), (&layouts[1].steps, layouts[1].origin));
+    assert!(values(&nifti) == values(&vti));
+    // Two arrays, of which the second one is active, and one of the cells.
+    let array = |kind: &str, name: &str, n: usize, slope: usize| {
+        let numbers: Vec<String> = (0..n).map(|k| (slope * (k * 7919 % 50)).to_string()).collect();
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">{}</DataArray>",
+            numbers.join(" ")
+        )
+    };
+    let text = format!(
+        "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 5 2 6 0 3\" Origin=\"7 8 9\" Spacing=\"2 2 1.5\" \
+         Direction=\"0 1 0 -1 0 0 0 0 1\"><Piece Extent=\"0 5 2 6 0 3\"><PointData Scalars=\"t\">{}{}</PointData>\
+         <CellData>{}</CellData></Piece></ImageData></VTKFile>",
+        array("Int32", "first", 120, 3),
+        array("UInt8", "t", 120, 1),
+        array("Float64", "c", 60, 2),
+    );
+    fs::write(at("w.vti"), text).unwrap();
+    run(folder.path(), "filter w.vti -o s.vti --fwhm 4 --preset suppress");
+    let written = fs::read_to_string(at("s.vti")).unwrap();
+    for kept in
+        ["Direction=\"0 1 0 -1 0 0 0 0 1\"", "Origin=\"7 8 9\"", "type=\"UInt8\" Name=\"t\"", "Name=\"c\""]
+    {
+        assert!(written.contains(kept), "{kept}");
+    }
+    let [before, after] =
+        ["w.vti", "s.vti"].map(|name| read_path(&at(name), &ReadLimits::default()).unwrap());
+    assert_eq!((before.grid(), before.field("first")), (after.grid(), after.field("first")));
+    let range = |file: &ShapeFile| file.field(GRID_VALUES).unwrap().to_f64().into_iter().fold(0.0, f64::max);
+    assert!(range(&before) == 49.0 && range(&after) < 49.0);
+    // A further array, in a file of its own.
+    run(folder.path(), "filter w.vti -o first.nii --signal first --gains 1,1");
+    assert_eq!(values(&at("first.nii")), before.field("first").unwrap().to_f64());
+    let saliency = json(folder.path(), "saliency w.vti -o map.vti --levels 2");
+    assert!(saliency["largest_voxel"].is_u64() && saliency["voxels"] == 120, "{saliency}");
+    assert_eq!(json(folder.path(), "info w.vti")["diffusion"]["voxels"], 120);
+    fs::write(at("empty.vti"), "").unwrap();
+    assert!(refused(folder.path(), "info empty.vti").contains("an image or a volume"));
+}

@@ -85,7 +85,7 @@ impl GridNumbers {
                 row: (bytes.len().saturating_sub(start) / width) as u64,
             });
         };
-        limits.check_points(self.n_places as u64)?;
+        limits.check_places(self.n_places as u64)?;
         let width = if self.is_scaled() { 8 } else { self.kind.n_bytes() };
         limits.check_bytes((found.len() / self.kind.n_bytes()) as u64 * width as u64)?;
         Ok(found)
@@ -99,14 +99,25 @@ impl GridNumbers {
     pub(crate) fn read(&self, bytes: &[u8], progress: Progress<'_>) -> Result<GridValues, Cancelled> {
         let mut values = self.kind.empty();
         with_values!(&mut values, v => *v = self.gather(bytes, progress)?);
-        let is_missing = |i: usize| self.is_missing(values.get(i));
+        self.decode(values, &[], progress)
+    }
+
+    /// Values of these numbers. Hidden places have no data; none is hidden if the list is empty.
+    pub(crate) fn decode(
+        &self,
+        mut values: FieldValues,
+        hidden: &[bool],
+        progress: Progress<'_>,
+    ) -> Result<GridValues, Cancelled> {
+        let n_channels = self.n_channels();
+        let is_hidden = |i: usize| hidden.get(i / n_channels).copied().unwrap_or(false);
+        let is_missing = |i: usize| is_hidden(i) || self.is_missing(values.get(i));
         let n = values.len();
-        let may_be_missing = self.missing.is_some() || !self.kind.is_integer();
+        let may_be_missing = self.missing.is_some() || !self.kind.is_integer() || hidden.contains(&true);
         let has_missing = may_be_missing && !crate::progress::all(n, progress, |i| !is_missing(i))?;
         if self.is_scaled() || has_missing {
             let value = |i: usize| {
-                let x = values.get(i);
-                if self.is_missing(x) { f64::NAN } else { self.value(x) }
+                if is_missing(i) { f64::NAN } else { self.value(values.get(i)) }
             };
             let is_narrow = self.kind == ValueType::F32 || self.kind.n_bytes() < 4;
             values = if is_narrow && !self.is_scaled() {
@@ -115,7 +126,7 @@ impl GridNumbers {
                 FieldValues::F64(collect(n, progress, value)?)
             };
         }
-        let field = Field::new(GRID_VALUES, self.n_channels(), values);
+        let field = Field::new(GRID_VALUES, n_channels, values);
         let kept = has_missing.then(|| {
             let has_data = |i: usize| (0..field.n_channels).any(|c| !field.get(i, c).is_nan());
             (0..field.len()).map(has_data).collect::<Vec<_>>()
@@ -361,15 +372,19 @@ impl GridNumber for f64 {
     }
 }
 
-/// Values that files of grids store: the field `values`, or the first one. The others are reported as dropped.
+/// Values that files of grids store: the field `values`, or the first one.
+pub(crate) fn grid_field(shape: &ShapeFile, format: Format) -> Result<&Field, WriteError> {
+    let field = shape.field(GRID_VALUES).or_else(|| shape.vertex_fields.first());
+    field.ok_or_else(|| WriteError::CannotHold { format, what: "a grid without values".into() })
+}
+
+/// [`grid_field`] for files that store no other field: these are reported as dropped.
 pub(crate) fn written_field<'a>(
     shape: &'a ShapeFile,
     format: Format,
     report: &mut WriteReport,
 ) -> Result<&'a Field, WriteError> {
-    let field = shape.field(GRID_VALUES).or_else(|| shape.vertex_fields.first());
-    let field =
-        field.ok_or_else(|| WriteError::CannotHold { format, what: "a grid without values".into() })?;
+    let field = grid_field(shape, format)?;
     report.report_vertex_fields(shape, &[&field.name]);
     Ok(field)
 }

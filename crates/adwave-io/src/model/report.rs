@@ -30,7 +30,8 @@ impl WriteReport {
     /// Reports all vertex fields except `held`.
     pub(crate) fn report_vertex_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
         for field in shape.vertex_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
-            self.report_dropped(format!("vertex field `{}`", field.name));
+            let kind = if shape.grid.is_some() { "field" } else { "vertex field" };
+            self.report_dropped(format!("{kind} `{}`", field.name));
         }
     }
 

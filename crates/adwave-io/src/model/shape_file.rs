@@ -292,7 +292,8 @@ impl ShapeFile {
     /// # Errors
     /// [`ShapeFileError`] if the field does not have complete rows, one per vertex.
     pub fn add_vertex_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
-        check_rows(&field, self.n_vertices, "vertices")?;
+        let rows = if self.grid.is_some() { "places" } else { "vertices" };
+        check_rows(&field, self.n_vertices, rows)?;
         if !self.edited.contains(&field.name) {
             self.edited.push(field.name.clone());
         }

@@ -9,6 +9,7 @@ use crate::output::features_file::{FeatureList, FeaturesFile, feature_json};
 use crate::output::{
     check_writable, coordinate_text, count, number, percent_of, print, steps_json, table, write_file,
 };
+use crate::resolve::shape::row_words;
 use adwave::features::{Descriptor, Feature, Response, describe};
 pub(crate) use args::FeaturesArgs;
 use serde_json::{Value, json};
@@ -163,7 +164,7 @@ fn report(args: &FeaturesArgs, detection: &Detection) -> Value {
         "field": analysis.name,
         "rule": if is_significant { "significance" } else { "theta" },
         "theta": (!is_significant || analysis.input.shape.is_cloud()).then(|| params.theta()),
-        "vertices": analysis.decomposer.n_vertices(),
+        row_words(&analysis.input.file)[1]: analysis.decomposer.n_vertices(),
         "operator": analysis.decomposer.operator_kind().name(),
         "levels_reason": analysis.levels_reason,
         "steps": steps_json(&analysis.schedule.steps_from_zero()),

@@ -16,7 +16,7 @@ use crate::output::{
 };
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{Input, load_shape, row_words};
 use crate::resolve::walk::with_given_walk;
 use adwave::operator::{Semigroup, SurfaceInfo};
 use adwave::shape::{Health, PreparedGeometry, Shape, VertexRole, bounding_box, curve_length};
@@ -244,7 +244,7 @@ impl ShapeFacts {
                     "vertices": part.n_vertices, "coarsest": part.n_coarsest, "levels": part.n_levels,
                 })).collect::<Vec<_>>(),
             })),
-            "diffusion": diffusion_json(decomposer),
+            "diffusion": diffusion_json(decomposer, row_words(&input.file)[1]),
             "levels": self.levels.schedule.n_levels(),
             "levels_reason": self.levels.reason,
             "steps": steps_json(&self.levels.schedule.steps_from_zero()),
@@ -359,12 +359,12 @@ fn diffusion_text(decomposer: &Decomposer, shape: &Shape) -> String {
     text
 }
 
-fn diffusion_json(decomposer: &Decomposer) -> Value {
+fn diffusion_json(decomposer: &Decomposer, rows: &str) -> Value {
     json!({
         "operator": decomposer.operator_kind().name(),
         "density_invariant": decomposer.operator_params().density_invariant,
         "keeps_creases": decomposer.operator_params().keep_creases,
-        "vertices": decomposer.n_places(),
+        rows: decomposer.n_places(),
         "entries": decomposer.n_entries(),
         "mean_length": decomposer.mean_length(),
         "step_length": decomposer.operator().step_length(),

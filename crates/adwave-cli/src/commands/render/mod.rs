@@ -12,7 +12,7 @@ use crate::output::{check_writable, count, has_extension, note, print, write_fil
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::operator::build_decomposer;
 use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
-use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
+use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source, row_words};
 use crate::resolve::signal::{COORDS, Signal, default_signal, load_signal};
 use crate::resolve::up::UpAxis;
 use adwave::Progress;
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
         "height": picture.height,
         "shapes": shapes.iter().map(|s| json!({
             "shape": s.input.name,
-            "vertices": s.input.shape.n_vertices(),
+            row_words(&s.input.file)[1]: s.input.shape.n_vertices(),
             "colors": s.looks.iter().map(Look::label).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "features": balls.len(),

@@ -5,7 +5,7 @@ use adwave::Progress;
 use super::arrays::{ValueReader, skip_metadata};
 use super::cells::read_cells;
 use super::scanner::{ArrayType, Scanner};
-use crate::model::cells::{CellKind, Cells, Dataset, Grid, GridPoints, Lattice};
+use crate::model::cells::{CellKind, Cells, Dataset, Grid, GridPoints, ImageFrame, Lattice};
 use crate::model::numbers::IndexError;
 use crate::progress::collect;
 use crate::text::show;
@@ -215,7 +215,13 @@ impl LegacyContent {
     ) -> Result<ShapeFile, ReadError> {
         let precision = if self.is_single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
         if !matches!(self.kind.as_slice(), b"POLYDATA" | b"UNSTRUCTURED_GRID") {
-            return self.into_grid(file, precision)?.into_shape(Format::VTK, limits, progress);
+            let grid = self.into_grid(file, precision)?;
+            let GridPoints::Image(frame) = grid.points else {
+                return grid.into_shape(Format::VTK, limits, progress);
+            };
+            let (mut shape, _) = grid.into_image(&frame, [None; 2], limits, progress)?;
+            shape.format = Some(Format::VTK);
+            return Ok(shape);
         }
         let Some(points) = self.points.take() else {
             return Err(file.error(file.at, "the file has no POINTS; get the whole file"));
@@ -272,10 +278,13 @@ impl LegacyContent {
         };
         let (points, precision) = match self.kind.as_slice() {
             b"STRUCTURED_POINTS" => {
-                let spacing = self.spacing.unwrap_or([1.0; 3]);
-                let matrix = [0, 1, 2].map(|c| [0, 1, 2].map(|a| if a == c { spacing[a] } else { 0.0 }));
-                let points = GridPoints::Image { origin: self.origin, matrix, first: [0; 3] };
-                (points, CoordinatePrecision::F64)
+                let frame = ImageFrame {
+                    origin: self.origin,
+                    spacings: self.spacing.unwrap_or([1.0; 3]),
+                    directions: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                    first: [0; 3],
+                };
+                (GridPoints::Image(frame), CoordinatePrecision::F64)
             }
             b"STRUCTURED_GRID" => {
                 let points = self.points.unwrap_or_default();

@@ -22,7 +22,7 @@ fn display_name(node: Node<'_, '_>) -> String {
 }
 
 /// Type of an array's numbers; `None` for texts and other content.
-fn value_type(node: Node<'_, '_>) -> Option<ValueType> {
+pub(super) fn value_type(node: Node<'_, '_>) -> Option<ValueType> {
     Some(match node.attribute("type")? {
         "Int8" | "Char" => ValueType::I8,
         "UInt8" | "Bit" => ValueType::U8,
@@ -108,7 +108,7 @@ impl<'a> XmlFrame<'a> {
                 format!("its {} bytes do not form complete numbers; get the whole file", bytes.len());
             return Err(BlockError::Message(message));
         }
-        Ok(Numbers::Bytes { bytes, kind, order: self.order })
+        Ok(Numbers::Bytes { bytes, kind, order: self.encoding.order })
     }
 
     fn appended(&self, node: Node<'_, '_>, progress: Progress<'_>) -> Result<Cow<'a, [u8]>, BlockError> {
@@ -193,7 +193,7 @@ impl<'a> XmlFrame<'a> {
 }
 
 /// Number of values per row of an array.
-fn n_channels(node: Node<'_, '_>) -> Result<usize, ReadError> {
+pub(super) fn n_channels(node: Node<'_, '_>) -> Result<usize, ReadError> {
     let n = count(node, "NumberOfComponents")?.unwrap_or(1).max(1);
     usize::try_from(n)
         .ok()

@@ -1,17 +1,20 @@
 //! Bytes of an array: after a count, or in compressed blocks after a table of their sizes.
 
 use std::borrow::Cow;
-use std::io::Read;
+use std::io::{Read, Write};
 
 use adwave::{Cancelled, Progress};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 
-use super::document::{Compressor, XmlFrame};
-use crate::ReadError;
+use super::document::{ArrayEncoding, Compressor, XmlFrame};
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::BYTES_PER_STEP;
+use crate::{ReadError, WriteError};
+
+/// Uncompressed size of one written block in bytes.
+const BLOCK: usize = 1 << 20;
 
 /// Largest ratio of decompressed to compressed bytes of a zlib stream.
 const MOST_PLAIN_PER_PACKED: u64 = 1040;
@@ -78,10 +81,10 @@ pub(super) fn plain<'a>(
     progress: Progress<'_>,
 ) -> Result<Cow<'a, [u8]>, BlockError> {
     let cut = || BlockError::Message("its data end too early; get the whole file".into());
-    let (width, order) = (frame.header_bytes, frame.order);
+    let ArrayEncoding { order, header_bytes: width, compressor } = frame.encoding;
     let number = |k: usize| header(&bytes, k, width, order);
     let first = number(0).ok_or_else(cut)?;
-    if frame.compressor == Compressor::None {
+    if compressor == Compressor::None {
         let end = usize::try_from(first).ok().and_then(|n| n.checked_add(width)).ok_or_else(cut)?;
         if end > bytes.len() {
             return Err(cut());
@@ -126,6 +129,58 @@ pub(super) fn plain<'a>(
         inflate(packed, plain, progress)
     })?;
     Ok(Cow::Owned(all))
+}
+
+impl ArrayEncoding {
+    /// Bytes before the data of an array, and the data; `None` if a size is too large for the numbers before the data.
+    /// These are the number of bytes, or of compressed arrays the number of blocks, the size of a block, the size of the
+    /// last one if it is smaller, and the compressed size of each.
+    pub(super) fn encode(
+        &self,
+        plain: Vec<u8>,
+        progress: Progress<'_>,
+    ) -> Result<Option<[Vec<u8>; 2]>, WriteError> {
+        let (mut sizes, mut data) = (Vec::new(), Vec::new());
+        if self.compressor == Compressor::None {
+            sizes.push(plain.len() as u64);
+            data = plain;
+        } else {
+            sizes.extend([plain.len().div_ceil(BLOCK), BLOCK, plain.len() % BLOCK].map(|n| n as u64));
+            for block in plain.chunks(BLOCK) {
+                progress.check()?;
+                let start = data.len();
+                let mut zlib = flate2::write::ZlibEncoder::new(&mut data, flate2::Compression::fast());
+                zlib.write_all(block)?;
+                zlib.finish()?;
+                sizes.push((data.len() - start) as u64);
+            }
+        }
+        let mut head = Vec::with_capacity(sizes.len() * self.header_bytes);
+        for size in sizes {
+            if self.header_bytes == 8 {
+                size.write_bytes(self.order, &mut head);
+            } else if let Ok(size) = u32::try_from(size) {
+                size.write_bytes(self.order, &mut head);
+            } else {
+                return Ok(None);
+            }
+        }
+        Ok(Some([head, data]))
+    }
+
+    /// [`encode`](Self::encode) as Base64, in which the head of a compressed array is a text of its own.
+    pub(super) fn encode_text(
+        &self,
+        plain: Vec<u8>,
+        progress: Progress<'_>,
+    ) -> Result<Option<String>, WriteError> {
+        let Some([mut head, data]) = self.encode(plain, progress)? else { return Ok(None) };
+        if self.compressor == Compressor::None {
+            head.extend(data);
+            return Ok(Some(STANDARD.encode(head)));
+        }
+        Ok(Some(STANDARD.encode(head) + &STANDARD.encode(data)))
+    }
 }
 
 /// Decompresses a zlib stream into `plain`.

@@ -25,12 +25,18 @@ pub(super) struct Appended<'a> {
     pub(super) is_base64: bool,
 }
 
-/// File in the course of reading.
-pub(super) struct XmlFrame<'a> {
+/// Encoding of arrays that are no text.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArrayEncoding {
     pub(super) order: ByteOrder,
     /// Size of each number before the data of an array in bytes: 4 or 8.
     pub(super) header_bytes: usize,
     pub(super) compressor: Compressor,
+}
+
+/// File in the course of reading.
+pub(super) struct XmlFrame<'a> {
+    pub(super) encoding: ArrayEncoding,
     pub(super) appended: Option<Appended<'a>>,
     /// Starts of arrays in the appended part, in order.
     pub(super) offsets: Vec<usize>,
@@ -133,7 +139,8 @@ impl<'a> XmlFrame<'a> {
             root.descendants().filter_map(|node| node.attribute("offset")?.trim().parse().ok()).collect();
         offsets.sort_unstable();
         let budget = Cell::new(limits.max_bytes);
-        Ok(Self { order, header_bytes, compressor, appended, offsets, budget, limits })
+        let encoding = ArrayEncoding { order, header_bytes, compressor };
+        Ok(Self { encoding, appended, offsets, budget, limits })
     }
 
     /// Deducts bytes from the budget of decoded bytes.

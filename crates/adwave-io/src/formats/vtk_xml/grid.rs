@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::array::arrays;
 use super::document::{XmlFrame, error_at, numbers};
 use super::read::{JoinedFields, fields, points};
-use crate::model::cells::{Grid, GridPoints, Lattice};
+use crate::model::cells::{Grid, GridPoints, ImageFrame, Lattice};
 use crate::progress::report_row;
 use crate::{CoordinatePrecision, Format, ReadError, ValueType};
 
@@ -79,12 +79,15 @@ fn grid_points<'n: 'a, 'a>(
         Format::VTI => {
             let three =
                 |name, other| Ok::<_, ReadError>(numbers::<f64, 3>(data, name)?.unwrap_or([other; 3]));
-            let (origin, spacing) = (three("Origin", 0.0)?, three("Spacing", 1.0)?);
             let turn = numbers::<f64, 9>(data, "Direction")?
                 .unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-            let matrix = [0, 1, 2].map(|c| [0, 1, 2].map(|a| turn[3 * c + a] * spacing[a]));
-            let first = extent.map(|[first, _]| first);
-            Ok((GridPoints::Image { origin, matrix, first }, CoordinatePrecision::F64))
+            let frame = ImageFrame {
+                origin: three("Origin", 0.0)?,
+                spacings: three("Spacing", 1.0)?,
+                directions: [0, 1, 2].map(|axis| [turn[axis], turn[3 + axis], turn[6 + axis]]),
+                first: extent.map(|[first, _]| first),
+            };
+            Ok((GridPoints::Image(frame), CoordinatePrecision::F64))
         }
         Format::VTR => {
             let Some(section) = piece.children().find(|node| node.has_tag_name("Coordinates")) else {
@@ -161,8 +164,9 @@ fn join_pieces<'n: 'a, 'a>(
         }
         let mut axes: [Vec<f64>; 3] = Default::default();
         match points {
-            GridPoints::Image { origin, matrix, .. } => {
-                image = Some(GridPoints::Image { origin, matrix, first: whole.map(|[first, _]| first) });
+            GridPoints::Image(frame) => {
+                let first = whole.map(|[first, _]| first);
+                image = Some(GridPoints::Image(ImageFrame { first, ..frame }));
             }
             GridPoints::Listed(points) => listed.extend(points),
             GridPoints::Axes(of_piece) => axes = of_piece,

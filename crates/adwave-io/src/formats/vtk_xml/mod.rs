@@ -1,5 +1,5 @@
 //! The XML formats of VTK: PolyData (VTP), UnstructuredGrid (VTU), ImageData (VTI), RectilinearGrid (VTR) and
-//! StructuredGrid (VTS), as written by ParaView.
+//! StructuredGrid (VTS), as written by ParaView. ImageData is an image or a volume, the others are shapes.
 //!
 //! Library: `roxmltree` for the XML. `vtkio` trusts the counts of a file when it makes room for its arrays, panics on
 //! some that are cut, and copies each array three times.
@@ -9,12 +9,15 @@ mod blocks;
 mod document;
 mod grid;
 pub(crate) mod read;
+mod update;
 pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{CoordinateType, FormatDescriptor, ProvenanceRoom, SampleFile};
+use crate::model::format_descriptor::{
+    ContentKind, CoordinateType, FormatDescriptor, ProvenanceRoom, SampleFile,
+};
 
 /// Recognizes VTK XML of the kind that `format` stands for.
 fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
@@ -27,7 +30,7 @@ impl Format {
     pub const VTP: Self = Self::new("vtp");
     /// VTK XML UnstructuredGrid.
     pub const VTU: Self = Self::new("vtu");
-    /// VTK XML ImageData, read as its surface.
+    /// VTK XML ImageData: images and volumes.
     pub const VTI: Self = Self::new("vti");
     /// VTK XML RectilinearGrid, read as its surface.
     pub const VTR: Self = Self::new("vtr");
@@ -79,11 +82,21 @@ pub(crate) static VTI: FormatDescriptor = FormatDescriptor {
     format: Format::VTI,
     title: "VTK XML ImageData",
     extensions: &["vti"],
-    reads: "flat images as quadrilaterals, others as their boundary, with all arrays",
-    loses: "the interior",
+    content: ContentKind::Grid,
+    reads: "images and volumes with origin, spacing and direction; the active or first array of the points is the \
+            values, or of the cells if the points have none; all encodings of VTP, several pieces; hidden places have \
+            no data",
+    writes: "the values in their type and all further fields, with origin, spacing and direction",
+    keeps: "everything but the numbers that were edited, in their encoding",
+    loses: "in other formats, further arrays; of files in several pieces, values of cells beside those of points",
+    holds_field_data: true,
     recognize: |file| recognize(file, Format::VTI),
-    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTI, c.limits, c.progress)),
-    samples: &[SampleFile { name: "a.vti", bytes: include_bytes!("samples/a.vti") }],
+    read: Some(|bytes, c| read::read_vti(bytes, c.limits, c.progress)),
+    write: Some(write::write_vti),
+    samples: &[
+        SampleFile { name: "a.vti", bytes: include_bytes!("samples/a.vti") },
+        SampleFile { name: "b.vti", bytes: include_bytes!("samples/b.vti") },
+    ],
     ..FormatDescriptor::NEW
 };
 
@@ -91,7 +104,7 @@ pub(crate) static VTR: FormatDescriptor = FormatDescriptor {
     format: Format::VTR,
     title: "VTK XML RectilinearGrid",
     extensions: &["vtr"],
-    reads: "as VTI",
+    reads: "flat grids as quadrilaterals, others as their boundary, with all arrays",
     loses: "the interior",
     recognize: |file| recognize(file, Format::VTR),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTR, c.limits, c.progress)),
@@ -103,7 +116,7 @@ pub(crate) static VTS: FormatDescriptor = FormatDescriptor {
     format: Format::VTS,
     title: "VTK XML StructuredGrid",
     extensions: &["vts"],
-    reads: "as VTI",
+    reads: "as VTR",
     loses: "the interior",
     recognize: |file| recognize(file, Format::VTS),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTS, c.limits, c.progress)),

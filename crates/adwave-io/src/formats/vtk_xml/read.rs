@@ -8,7 +8,8 @@ use roxmltree::Node;
 use super::array::{arrays, no_index};
 use super::document::{XmlFrame, count, error_at, parse, split};
 use super::grid::read_grid;
-use crate::model::cells::{CellKind, Cells, Dataset, Polyhedra};
+use super::update::ImageDocument;
+use crate::model::cells::{CellKind, Cells, Dataset, GridArrays, GridPoints, Polyhedra};
 use crate::model::field::unused;
 use crate::model::numbers::{Numbers, append};
 use crate::progress::{all, collect};
@@ -38,13 +39,48 @@ pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
     })
 }
 
-/// Reads a file of one of the formats.
+/// Reads an image or a volume, with its bytes to write it again.
+pub(crate) fn read_vti(
+    bytes: Vec<u8>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let mut content = read_content(&bytes, Format::VTI, limits, progress)?;
+    if let Some(arrays) = content.arrays {
+        content.shape.set_source(ImageDocument { bytes, limits: *limits, arrays });
+    }
+    Ok(content.shape)
+}
+
+/// Reads a file of one of the formats of shapes.
 pub(crate) fn read_vtk_xml(
     bytes: &[u8],
     format: Format,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
+    Ok(read_content(bytes, format, limits, progress)?.shape)
+}
+
+/// Content of a file.
+struct XmlContent {
+    shape: ShapeFile,
+    /// Arrays of the fields of an image.
+    arrays: Option<GridArrays>,
+}
+
+impl From<ShapeFile> for XmlContent {
+    fn from(shape: ShapeFile) -> Self {
+        Self { shape, arrays: None }
+    }
+}
+
+fn read_content(
+    bytes: &[u8],
+    format: Format,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<XmlContent, ReadError> {
     let (xml, appended) = split(bytes)?;
     let document = parse(&xml)?;
     let root = document.root_element();
@@ -80,12 +116,21 @@ pub(crate) fn read_vtk_xml(
     if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
         (shape.provenance, shape.field_data) = (made, field_data);
-        return Ok(shape);
+        return Ok(shape.into());
     }
     let grid = read_grid(&frame, data, &pieces, format, extras, progress)?;
-    let mut shape = grid.into_shape(format, limits, progress)?;
-    shape.field_data = field_data;
-    Ok(shape)
+    let mut content = if let GridPoints::Image(image) = grid.points {
+        let active = |section: &str| {
+            pieces[0].children().find(|node| node.has_tag_name(section))?.attribute("Scalars")
+        };
+        let active = [active("PointData"), active("CellData")];
+        let (shape, arrays) = grid.into_image(&image, active, limits, progress)?;
+        XmlContent { shape, arrays: Some(arrays) }
+    } else {
+        grid.into_shape(format, limits, progress)?.into()
+    };
+    (content.shape.format, content.shape.field_data) = (Some(format), field_data);
+    Ok(content)
 }
 
 /// Decodes an array with a single text, which is stored as the codes of its letters.

@@ -1,35 +1,41 @@
 //! VTK XML writer for ParaView: points, faces as polygons, edges as lines, and all fields, as PolyData or as an
-//! unstructured grid.
+//! unstructured grid; images and volumes as ImageData.
 
 use std::io::Write;
 
 use adwave::Progress;
 
+use super::document::{ArrayEncoding, Compressor};
+use super::update::ImageDocument;
+use crate::model::cells::frame_of;
+use crate::model::context::WriteContext;
 use crate::model::field::ByteOrder;
+use crate::model::grid_values::{GridNumbers, grid_field};
 use crate::model::numbers::cell_fields;
 use crate::progress::{collect, report_row};
 use crate::provenance::NAME;
-use crate::text::escape_xml;
-use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
-
-/// Uncompressed size of one block in bytes.
-const BLOCK: usize = 1 << 20;
+use crate::text::{escape_xml, push_f64};
+use crate::{CoordinatePrecision, Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Name of a type of numbers.
-fn type_name(values: &FieldValues) -> &'static str {
-    match values {
-        FieldValues::U8(_) => "UInt8",
-        FieldValues::I8(_) => "Int8",
-        FieldValues::U16(_) => "UInt16",
-        FieldValues::I16(_) => "Int16",
-        FieldValues::U32(_) => "UInt32",
-        FieldValues::I32(_) => "Int32",
-        FieldValues::U64(_) => "UInt64",
-        FieldValues::I64(_) => "Int64",
-        FieldValues::F32(_) => "Float32",
-        FieldValues::F64(_) => "Float64",
+pub(super) fn type_name(kind: ValueType) -> &'static str {
+    match kind {
+        ValueType::U8 => "UInt8",
+        ValueType::I8 => "Int8",
+        ValueType::U16 => "UInt16",
+        ValueType::I16 => "Int16",
+        ValueType::U32 => "UInt32",
+        ValueType::I32 => "Int32",
+        ValueType::U64 => "UInt64",
+        ValueType::I64 => "Int64",
+        ValueType::F32 => "Float32",
+        ValueType::F64 => "Float64",
     }
 }
+
+/// Encoding of new files.
+const ENCODING: ArrayEncoding =
+    ArrayEncoding { order: ByteOrder::Little, header_bytes: 8, compressor: Compressor::Zlib };
 
 /// Compressed arrays, in the order of the XML.
 struct AppendedWriter<'a> {
@@ -38,26 +44,24 @@ struct AppendedWriter<'a> {
 }
 
 impl AppendedWriter<'_> {
-    /// Compresses an array and returns its start. Its head has the number of blocks, the size of a block, the size of
-    /// the last if it is smaller, and the compressed size of each.
-    fn add(&mut self, plain: &[u8]) -> Result<usize, WriteError> {
-        let at = self.bytes.len();
-        let mut sizes = Vec::new();
-        let mut blocks = Vec::new();
-        for block in plain.chunks(BLOCK) {
-            self.progress.check()?;
-            let start = blocks.len();
-            let mut zlib = flate2::write::ZlibEncoder::new(&mut blocks, flate2::Compression::fast());
-            zlib.write_all(block)?;
-            zlib.finish()?;
-            sizes.push((blocks.len() - start) as u64);
-        }
-        let last = plain.len() % BLOCK;
-        for number in [sizes.len() as u64, BLOCK as u64, last as u64].into_iter().chain(sizes) {
-            self.bytes.extend_from_slice(&number.to_le_bytes());
-        }
-        self.bytes.append(&mut blocks);
-        Ok(at)
+    /// Adds an array of little-endian numbers.
+    fn add(
+        &mut self,
+        xml: &mut String,
+        name: &str,
+        n_channels: usize,
+        kind: ValueType,
+        plain: Vec<u8>,
+    ) -> Result<(), WriteError> {
+        let offset = self.bytes.len();
+        let encoded = ENCODING.encode(plain, self.progress)?.unwrap_or_default();
+        encoded.iter().for_each(|part| self.bytes.extend_from_slice(part));
+        let (kind, name) = (type_name(kind), escape_xml(name));
+        *xml += &format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \
+             format=\"appended\" offset=\"{offset}\"/>\n"
+        );
+        Ok(())
     }
 
     fn add_numbers(
@@ -72,14 +76,7 @@ impl AppendedWriter<'_> {
             report_row(self.progress, i as u64, values.len() as u64)?;
             values.write_bytes(i, ByteOrder::Little, &mut plain);
         }
-        let offset = self.add(&plain)?;
-        let kind = type_name(values);
-        let name = escape_xml(name);
-        *xml += &format!(
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \
-             format=\"appended\" offset=\"{offset}\"/>\n"
-        );
-        Ok(())
+        self.add(xml, name, n_channels, values.value_type(), plain)
     }
 
     /// Adds fields; the first normals and texture coordinates are marked for drawing.
@@ -170,7 +167,8 @@ pub(crate) fn write_vtp(
         "NumberOfPoints=\"{n}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"{n_lines}\" NumberOfStrips=\"0\" \
          NumberOfPolys=\"{n_faces}\""
     );
-    write_file(Format::VTP, shape, &piece, &body, &appended.bytes, out)
+    let dataset = Dataset { element: "PolyData", attributes: "", piece: &piece, body: &body };
+    dataset.write(shape, &appended.bytes, out)
 }
 
 /// Writes a VTU.
@@ -205,7 +203,57 @@ pub(crate) fn write_vtu(
     appended.add_cells(&mut body, "Cells", corners, ends, Some(types))?;
     let n = shape.points.len();
     let piece = format!("NumberOfPoints=\"{n}\" NumberOfCells=\"{n_cells}\"");
-    write_file(Format::VTU, shape, &piece, &body, &appended.bytes, out)
+    let dataset = Dataset { element: "UnstructuredGrid", attributes: "", piece: &piece, body: &body };
+    dataset.write(shape, &appended.bytes, out)
+}
+
+/// Writes a VTI with the values and further fields of an image or a volume at its points.
+pub(crate) fn write_vti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<(), WriteError> {
+    let Some(layout) = shape.grid() else {
+        return Err(WriteError::CannotHold { format: c.format, what: "a shape".into() });
+    };
+    let (image, dims) = frame_of(layout);
+    if let Some(unit) = &layout.unit {
+        c.report.report_dropped(format!("the unit of length, {}", unit.plural()));
+    }
+    let field = grid_field(shape, c.format)?;
+    let arrays = shape.source::<ImageDocument>().map(|document| &document.arrays);
+    if arrays.is_some() {
+        // The original, which has them, cannot hold the changes.
+        shape.extras.iter().for_each(|extra| c.report.report_dropped(extra.clone()));
+    }
+    let array_name = |field: &Field| arrays.map_or(field.name.clone(), |a| a.name_of(&field.name).to_owned());
+    let name = array_name(field);
+    let mut body = format!("<PointData Scalars=\"{}\">\n", escape_xml(&name));
+    let mut appended = AppendedWriter { bytes: Vec::new(), progress: c.progress };
+    let kind = shape.value_type.unwrap_or(field.values.value_type());
+    let numbers = GridNumbers::new(kind, ByteOrder::Little, shape.n_vertices, field.n_channels);
+    let mut plain = Vec::new();
+    numbers.write(None, field, c.format, &mut plain, c.progress)?;
+    appended.add(&mut body, &name, field.n_channels, kind, plain)?;
+    for other in shape.vertex_fields.iter().filter(|other| other.name != field.name) {
+        appended.add_numbers(&mut body, &array_name(other), other.n_channels, &other.values)?;
+    }
+    body += "</PointData>\n";
+    let words = |numbers: &mut dyn Iterator<Item = f64>| {
+        let mut text = Vec::new();
+        for x in numbers {
+            push_f64(&mut text, x);
+            text.push(b' ');
+        }
+        String::from_utf8_lossy(text.trim_ascii_end()).into_owned()
+    };
+    let extent = dims.map(|n| format!("0 {}", n - 1)).join(" ");
+    let directions = image.directions;
+    let attributes = format!(
+        " WholeExtent=\"{extent}\" Origin=\"{}\" Spacing=\"{}\" Direction=\"{}\"",
+        words(&mut image.origin.into_iter()),
+        words(&mut image.spacings.into_iter()),
+        words(&mut (0..9).map(|k| directions[k % 3][k / 3]))
+    );
+    let piece = format!("Extent=\"{extent}\"");
+    let dataset = Dataset { element: "ImageData", attributes: &attributes, piece: &piece, body: &body };
+    dataset.write(shape, &appended.bytes, c.out)
 }
 
 /// Content before the cells in both formats.
@@ -242,7 +290,7 @@ fn field_data(field: &Field) -> String {
     format!(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfTuples=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n{}\n\
          </DataArray>\n",
-        type_name(&field.values),
+        type_name(field.values.value_type()),
         escape_xml(&field.name),
         field.len(),
         field.n_channels,
@@ -250,38 +298,46 @@ fn field_data(field: &Field) -> String {
     )
 }
 
-fn write_file(
-    format: Format,
-    shape: &ShapeFile,
-    piece: &str,
-    body: &str,
-    appended: &[u8],
-    out: &mut dyn Write,
-) -> Result<(), WriteError> {
-    let element = if format == Format::VTU { "UnstructuredGrid" } else { "PolyData" };
-    let made = shape.valid_provenance().map_or(String::new(), |made| {
-        let mut letters = made.to_json().into_bytes();
-        // ParaView shows texts, which end with a zero; other readers of unstructured grids accept only numbers.
-        let head = if format == Format::VTU {
-            format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
+/// Elements of a file with one piece.
+struct Dataset<'a> {
+    element: &'a str,
+    attributes: &'a str,
+    /// Attributes of the piece.
+    piece: &'a str,
+    /// Elements of the piece.
+    body: &'a str,
+}
+
+impl Dataset<'_> {
+    fn write(&self, shape: &ShapeFile, appended: &[u8], out: &mut dyn Write) -> Result<(), WriteError> {
+        let Self { element, attributes, piece, body } = *self;
+        let made = shape.valid_provenance().map_or(String::new(), |made| {
+            let mut letters = made.to_json().into_bytes();
+            // ParaView shows texts, which end with a zero; other readers of unstructured grids accept only numbers.
+            let head = if element == "UnstructuredGrid" {
+                format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
+            } else {
+                letters.push(0);
+                format!("Array type=\"String\" Name=\"{NAME}\" NumberOfTuples=\"1\"")
+            };
+            let numbers = letters.iter().map(u8::to_string).collect::<Vec<_>>().join(" ");
+            let element = head.split(' ').next().unwrap_or_default();
+            format!("<{head} format=\"ascii\">\n{numbers}\n</{element}>\n")
+        });
+        let own = shape.field_data.iter().map(field_data).collect::<String>();
+        let field_data = made + &own;
+        let field_data = if field_data.is_empty() {
+            field_data
         } else {
-            letters.push(0);
-            format!("Array type=\"String\" Name=\"{NAME}\" NumberOfTuples=\"1\"")
+            format!("<FieldData>\n{field_data}</FieldData>\n")
         };
-        let numbers = letters.iter().map(u8::to_string).collect::<Vec<_>>().join(" ");
-        let element = head.split(' ').next().unwrap_or_default();
-        format!("<{head} format=\"ascii\">\n{numbers}\n</{element}>\n")
-    });
-    let own = shape.field_data.iter().map(field_data).collect::<String>();
-    let field_data = made + &own;
-    let field_data =
-        if field_data.is_empty() { field_data } else { format!("<FieldData>\n{field_data}</FieldData>\n") };
-    write!(
-        out,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"{element}\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<{element}>\n\
+        write!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"{element}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<{element}{attributes}>\n\
          {field_data}<Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
-    )?;
-    out.write_all(appended)?;
-    Ok(out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?)
+        )?;
+        out.write_all(appended)?;
+        Ok(out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?)
+    }
 }

@@ -1,9 +1,11 @@
 //! Conversion of structured grids to shapes: a flat grid becomes its quadrilaterals, a grid of volumes its boundary,
-//! a single row a path. This matches what viewers draw; all points as a cloud would form a solid block.
+//! a single row a path. This matches what viewers draw; all points as a cloud would form a solid block. Grids with a
+//! spacing along each axis stay grids: see [`super::image`].
 
 use adwave::Progress;
 use adwave::shape::Polygons;
 
+use super::image::ImageFrame;
 use crate::model::numbers::collect_rows;
 use crate::progress::{collect, report_row};
 use crate::{CoordinatePrecision, Edges, Field, Format, ReadError, ReadLimits, ShapeFile};
@@ -125,8 +127,8 @@ impl Lattice {
 /// Positions of the points of a grid.
 #[derive(Clone, Debug)]
 pub(crate) enum GridPoints {
-    /// `matrix` times the lattice position, counted from `first`, plus `origin`.
-    Image { origin: [f64; 3], matrix: [[f64; 3]; 3], first: [i64; 3] },
+    /// An origin and a step along each axis.
+    Image(ImageFrame),
     /// One coordinate for each lattice position along each axis.
     Axes([Vec<f64>; 3]),
     /// Explicit positions in the rows of the file.
@@ -147,20 +149,14 @@ pub(crate) struct Grid {
     pub(crate) extras: Vec<String>,
 }
 
-fn row(rows: Option<&Vec<u32>>, index: usize) -> usize {
+pub(super) fn row(rows: Option<&Vec<u32>>, index: usize) -> usize {
     rows.map_or(index, |rows| rows[index] as usize)
 }
 
 impl Grid {
     fn point(&self, index: usize) -> [f64; 3] {
         match &self.points {
-            GridPoints::Image { origin, matrix, first } => {
-                let position = self.lattice.position(index);
-                let at: [f64; 3] = std::array::from_fn(|a| (first[a] + position[a] as i64) as f64);
-                std::array::from_fn(|c| {
-                    matrix[c][0] * at[0] + matrix[c][1] * at[1] + matrix[c][2] * at[2] + origin[c]
-                })
-            }
+            GridPoints::Image(frame) => frame.position(self.lattice.position(index)),
             GridPoints::Axes(axes) => {
                 let position = self.lattice.position(index);
                 std::array::from_fn(|a| axes[a][position[a]])

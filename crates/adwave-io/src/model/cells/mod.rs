@@ -10,6 +10,8 @@ mod dataset;
 #[cfg(feature = "vtk")]
 mod grid;
 #[cfg(feature = "vtk")]
+mod image;
+#[cfg(feature = "vtk")]
 mod kinds;
 #[cfg(feature = "vtk")]
 mod surface;
@@ -19,6 +21,8 @@ pub(crate) use boundary::VolumeFaces;
 pub(crate) use dataset::Dataset;
 #[cfg(feature = "vtk")]
 pub(crate) use grid::{Grid, GridPoints, Lattice};
+#[cfg(feature = "vtk")]
+pub(crate) use image::{GridArrays, ImageFrame, frame_of, hidden_places};
 
 use adwave::shape::Polygons;
 
