@@ -8,10 +8,11 @@ use crate::output::values_file::ValuesFile;
 use crate::output::{clone_for_output, make_folder, number, print, table, write_file, write_shape};
 use crate::resolve::applicable::article;
 use crate::resolve::levels::{check_levels, resolve_levels};
-use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::operator::{operator_for_levels, prepare, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape, move_points};
-use crate::resolve::signal::{COORDS, load_signal};
+use crate::resolve::signal::{COORDS, Signal, load_signal};
 use adwave::bands::Schedule;
+use adwave::mask::missing;
 use adwave::{Decomposer, LevelSpec, ResolvedLevels};
 use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
 use adwave_baselines::grid_smoothing::{GridPlaces, starlet_widths};
@@ -94,9 +95,18 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare(global, &input, &operator)?;
+    let is_grid = args.method.takes_grids();
+    let decomposer = if is_grid {
+        prepare_for_signal(global, &input, &operator, &signal, field)?
+    } else {
+        prepare(global, &input, &operator)?
+    };
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let places = grid_places(&input);
+    let kept = if is_grid { known_places(&input, &signal) } else { None };
+    let places = input.file.grid().map(|layout| {
+        let GridLayout { sizes, spacings, .. } = layout;
+        GridPlaces { sizes, spacings, kept: kept.as_deref() }
+    });
     let mut levels = resolve_levels(&args.levels, &decomposer, global)?;
     if let (Method::Starlet, Some(places)) = (args.method, &places) {
         levels = starlet_levels(&args.levels.to_spec(), places, &decomposer, levels)?;
@@ -146,10 +156,14 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     print(global, &text, &json)
 }
 
-/// The places of an image or a volume.
-fn grid_places(input: &Input) -> Option<GridPlaces<'_>> {
-    let GridLayout { sizes, spacings, kept, .. } = input.file.grid()?;
-    Some(GridPlaces { sizes, spacings, kept: kept.as_deref() })
+/// Flags of the places of an image or a volume that take part and have a value; `None` if all do.
+fn known_places(input: &Input, signal: &Signal) -> Option<Vec<bool>> {
+    let kept = input.file.grid()?.kept.as_deref();
+    let missing = missing(&signal.values, signal.n_channels);
+    let is_known =
+        |x: usize| kept.is_none_or(|kept| kept[x]) && missing.as_ref().is_none_or(|missing| !missing[x]);
+    let known: Vec<bool> = (0..input.shape.n_vertices()).map(is_known).collect();
+    known.contains(&false).then_some(known)
 }
 
 /// Levels with the widths of the starlet, unless widths or steps are asked for: as many as are asked for, or as reach the

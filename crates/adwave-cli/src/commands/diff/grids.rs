@@ -37,7 +37,7 @@ pub(super) fn check(args: &DiffArgs, first: &Input, global: &Global<'_>) -> Resu
 
 /// The difference of the second image or volume from the first at each place, and the values of both.
 pub(super) fn difference(first: &Input, second: &Input) -> Result<(Difference, GridValues), CliError> {
-    let (a, b) = (layout(first, second)?, layout(second, first)?);
+    let [a, b] = layouts([first, second])?;
     if let Some(what) = a.difference(b) {
         return Err(CliError::Input(format!(
             "{} must have the same places as {}, whose {what}; resample one of them first",
@@ -107,19 +107,18 @@ pub(super) fn difference(first: &Input, second: &Input) -> Result<(Difference, G
     Ok((difference, GridValues { first: values, second: others }))
 }
 
-/// The places of one of two inputs, which both must be images or volumes.
-fn layout<'a>(input: &'a Input, other: &Input) -> Result<&'a GridLayout, CliError> {
-    input.file.grid().ok_or_else(|| {
-        CliError::Input(format!(
-            "both inputs must be shapes, or both images or volumes, got {} {} ({}) and {} {} ({}); give two of a kind",
-            article(input.kind_name()),
-            input.kind_name(),
-            input.name,
-            article(other.kind_name()),
-            other.kind_name(),
-            other.name
-        ))
-    })
+/// The places of two inputs, which both must be images or volumes.
+fn layouts<'a>(inputs: [&'a Input; 2]) -> Result<[&'a GridLayout; 2], CliError> {
+    if let [Some(a), Some(b)] = inputs.map(|input| input.file.grid()) {
+        return Ok([a, b]);
+    }
+    let [first, second] = inputs.map(|input| {
+        let kind = input.kind_name();
+        format!("{} {kind} ({})", article(kind), input.name)
+    });
+    Err(CliError::Input(format!(
+        "both inputs must be shapes, or both images or volumes, got {first} and {second}; give two of a kind"
+    )))
 }
 
 /// Values of an image or a volume, NaN where it has no data, and their number at a place.

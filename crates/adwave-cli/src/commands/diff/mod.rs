@@ -281,7 +281,8 @@ impl VersionComparison<'_> {
 
     /// Writes the difference and its bands as frames, or the arrays of `transform`.
     fn write_values(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
-        let Some(kind) = ValuesFile::choose(path, &self.first.file) else {
+        let kind = ValuesFile::choose(path, &self.first.file).filter(|_| !has_extension(path, &["npz"]));
+        let Some(kind) = kind else {
             return write_npz(global, path, self.first, &self.found.values, self.bands);
         };
         kind.write(global, path, &self.fields(), &self.first.file)
