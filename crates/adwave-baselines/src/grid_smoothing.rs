@@ -75,7 +75,9 @@ impl Kernel {
         taps.extend((1..=radius).flat_map(both));
         if taps.len() > period {
             let mut folded = vec![0.0; period];
-            taps.iter().for_each(|(offset, weight)| folded[*offset] += weight);
+            for (offset, weight) in taps {
+                folded[offset] += weight;
+            }
             taps = folded.into_iter().enumerate().collect();
         }
         let variance = 2.0 * (1..=radius).map(|k| weight(k) / sum * (k as f64).powi(2)).sum::<f64>();
@@ -148,7 +150,9 @@ impl GridPlaces<'_> {
         let mut smoothed = along_all(filled, n_channels);
         let weights = along_all(kept.iter().map(|kept| f64::from(u8::from(*kept))).collect(), 1);
         for ((row, weight), kept) in smoothed.chunks_exact_mut(n_channels).zip(weights).zip(kept) {
-            row.iter_mut().for_each(|v| *v = if *kept { *v / weight } else { f64::NAN });
+            for v in row {
+                *v = if *kept { *v / weight } else { f64::NAN };
+            }
         }
         Some(Smoothed { values: smoothed, variance })
     }

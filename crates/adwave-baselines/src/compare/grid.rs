@@ -31,7 +31,7 @@ pub(super) fn compare(
         rows.extend(rows_of_level(&ours, &theirs, level));
     }
     let missing = if places.kept.is_some() {
-        "; the kernels are divided by their share of places with data, and ours does not reach the others"
+        "; its values are divided by the smoothed mask where places have no data, and heat does not cross the mask"
     } else {
         ""
     };

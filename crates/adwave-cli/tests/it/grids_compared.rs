@@ -172,7 +172,7 @@ fn grids_that_do_not_fit_are_refused_with_both_numbers() {
             "takes images and volumes, and sample:sphere is a mesh",
         ),
         ("compare a.nii --with gaussian --harmonics 3 -o out", "--harmonics applies to --with mht"),
-        ("compare a.nii --with gaussian --lengths 1e9 -o out", "at most a million weights"),
+        ("compare a.nii --with gaussian --lengths 1e9 -o out", "at most 32 dyadic levels"),
         ("report a.nii -o r.html --up z", "--up applies to shapes"),
     ] {
         let output = adwave(folder.path()).args(words(line)).assert().code(2).get_output().clone();

@@ -207,12 +207,11 @@ pub fn shape_report(
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
     let mut studio = Studio::for_subject(subject, viewpoint, progress)?;
-    let (health_section, health, shape_section) = match &subject.grid {
-        Some(axes) => (grid::section(subject, axes), None, grid::scene(subject, axes, &mut studio)),
-        None => {
-            let (section, health) = health::section(subject);
-            (section, Some(health), scene::section(subject, &mut studio))
-        }
+    let (health_section, health, shape_section) = if let Some(axes) = &subject.grid {
+        (grid::section(subject, axes), None, grid::scene(subject, axes, &mut studio))
+    } else {
+        let (section, health) = health::section(subject);
+        (section, Some(health), scene::section(subject, &mut studio))
     };
     progress.step(1, N_SECTIONS)?;
     let (bands_section, bands) = bands::section(subject, &mut studio);

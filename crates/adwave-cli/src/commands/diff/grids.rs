@@ -108,7 +108,7 @@ pub(super) fn difference(first: &Input, second: &Input) -> Result<(Difference, G
 }
 
 /// The places of two inputs, which both must be images or volumes.
-fn layouts<'a>(inputs: [&'a Input; 2]) -> Result<[&'a GridLayout; 2], CliError> {
+fn layouts(inputs: [&Input; 2]) -> Result<[&GridLayout; 2], CliError> {
     if let [Some(a), Some(b)] = inputs.map(|input| input.file.grid()) {
         return Ok([a, b]);
     }
