@@ -124,6 +124,8 @@ impl ClassifiedError for CompareError {
             | Self::NoRows(_)
             | Self::NoShape(_)
             | Self::NotCoordinates
+            | Self::OtherDomain
+            | Self::WideKernel { .. }
             | Self::NotMesh => ErrorKind::Input,
             Self::Subdivision(error) => error.kind(),
             Self::Region(error) => error.kind(),

@@ -4,6 +4,7 @@ pub mod compare;
 pub mod differential;
 mod error_kind;
 pub mod feature_map;
+pub mod grid_smoothing;
 pub mod harmonics;
 pub mod laplacian;
 pub mod lee;

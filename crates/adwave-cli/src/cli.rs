@@ -140,7 +140,7 @@ pub(crate) enum Command {
     Features(FeaturesArgs),
     /// Align two scans of one object, and pair their features
     Match(MatchArgs),
-    /// Compare two versions of a shape, scale by scale
+    /// Compare two versions of a shape, an image or a volume, scale by scale
     Diff(DiffArgs),
     /// Measure how repeatable features are, or how well a map agrees with eye fixations
     Evaluate(EvaluateArgs),
@@ -154,7 +154,7 @@ pub(crate) enum Command {
     Scatter(ScatterArgs),
     /// Draw a picture of a shape, of a field on it or of its features; or a sheet of several
     Render(RenderArgs),
-    /// Write a page about a shape: health, bands, saliency, features and presets, with pictures and tables
+    /// Write a page about a shape, an image or a volume: health, bands, saliency, features and presets, with pictures
     Report(ReportArgs),
     /// Edit a shape in a browser: a slider for each band, a brush, layers
     Studio(StudioArgs),

@@ -15,6 +15,8 @@ pub struct Versions<'a> {
     pub shape: &'a Shape,
     /// Statistics of the difference.
     pub facts: Vec<Fact>,
+    /// Values of both images or volumes on the same places; `None` for shapes.
+    pub values: Option<[&'a [f64]; 2]>,
     /// Description of the comparison, in sentences.
     pub how: Vec<String>,
 }
@@ -41,7 +43,7 @@ pub fn difference_report(
     viewpoint: Viewpoint,
     progress: Progress<'_>,
 ) -> Result<DifferenceReport, Cancelled> {
-    let mut studio = Studio::new(subject.shape, viewpoint, progress)?;
+    let mut studio = Studio::for_subject(subject, viewpoint, progress)?;
     let mut other = Studio::new(versions.shape, viewpoint, progress)?;
     let mut section = Section::new("difference", "Difference");
     versions.how.iter().for_each(|text| section.say(text.clone()));
@@ -54,18 +56,25 @@ pub fn difference_report(
         } else {
             Scale::from_zero(&values, 0.99)
         };
-        let look = FieldLook::new(values, format!("{name}, model units"), scale);
-        let first = PictureSpec::plain(subject.name, format!("{}.", subject.name));
+        let look = FieldLook::new(values, format!("{name}, {}", subject.unit()), scale);
         let map = PictureSpec::plain(
             format!("The difference on {}", subject.name),
             "The difference, up to its 99th percentile. Gray: no difference.",
         )
         .field(look);
-        let second = PictureSpec::plain(versions.other, format!("{}.", versions.other));
-        let drawn = studio.draw(&[first, map]).and_then(|mut figures| {
-            figures.extend(other.draw(&[second])?);
-            Ok(figures)
-        });
+        let plain = |name: &str| PictureSpec::plain(name, format!("{name}."));
+        let drawn = if let Some([first, second]) = versions.values {
+            let both = Subject { values: first, signal: "values", ..*subject };
+            let shown = |name: &str, values| {
+                PictureSpec::of_signal(&both, values, name.to_owned(), format!("{name}."))
+            };
+            studio.draw(&[shown(subject.name, first), map, shown(versions.other, second)])
+        } else {
+            studio.draw(&[plain(subject.name), map]).and_then(|mut figures| {
+                figures.extend(other.draw(&[plain(versions.other)])?);
+                Ok(figures)
+            })
+        };
         section.gallery(drawn);
     }
     progress.check()?;

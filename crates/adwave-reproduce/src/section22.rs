@@ -139,6 +139,7 @@ fn comparison(context: &Context<'_>, model: &Model) -> Result<Comparison, Figure
     let params = BandsParams::default();
     let input = ComparisonInput {
         shape: &model.shape,
+        grid: None,
         decomposer: &decomposer,
         prepare_seconds,
         schedule: &schedule,

@@ -74,6 +74,7 @@ pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile)
         format: &format,
         fields: &names,
         shape: &shape,
+        grid: None,
         decomposer: &decomposer,
         signal: COORDS,
         values: points.as_flattened(),

@@ -1,6 +1,7 @@
 //! Comparisons: one task is solved by adwave and by another method, with the differences and times of both.
 
 mod feature_map;
+mod grid;
 mod harmonics;
 mod lee;
 mod multiscale;
@@ -11,6 +12,7 @@ mod subdivision;
 mod taubin;
 
 use crate::feature_map::FeatureMapError;
+use crate::grid_smoothing::GridPlaces;
 use crate::harmonics::HarmonicsError;
 use crate::lee::LeeError;
 use crate::linalg::LinalgError;
@@ -56,6 +58,17 @@ pub enum Method {
     Guided,
     /// Wavelets by lifting on the levels of subdivision of a mesh, or on levels of any mesh.
     Subdivision,
+    /// Bands of an image or a volume by sampled Gaussians of the same widths.
+    Gaussian,
+    /// Bands of an image or a volume by the isotropic undecimated wavelet of the B3 spline, `starck2007`.
+    Starlet,
+}
+
+impl Method {
+    /// True if the method takes images and volumes; the others take shapes.
+    pub fn takes_grids(self) -> bool {
+        matches!(self, Self::Gaussian | Self::Starlet)
+    }
 }
 
 named_values!(Method, "method", {
@@ -69,6 +82,8 @@ named_values!(Method, "method", {
     Bilateral => "bilateral", "Bilateral normal filtering";
     Guided => "guided", "Guided normal filtering";
     Subdivision => "subdivision", "Wavelets by lifting";
+    Gaussian => "gaussian", "Sampled Gaussians";
+    Starlet => "starlet", "Starlet";
 });
 
 /// Reason for which a comparison cannot be made.
@@ -109,6 +124,19 @@ pub enum CompareError {
     /// The task needs a mesh.
     #[error("wavelets by lifting need a mesh of triangles; give one, or read the shape with --as mesh")]
     NotMesh,
+    /// The method and the domain do not go together.
+    #[error(
+        "gaussian and starlet take images and volumes, the other methods take shapes; choose another method"
+    )]
+    OtherDomain,
+    /// A sampled kernel has too many weights.
+    #[error(
+        "a sampled Gaussian must have at most a million weights on either side, and σ = {sigma} takes more; choose narrower levels"
+    )]
+    WideKernel {
+        /// Width of the level.
+        sigma: f64,
+    },
     /// The task needs a signal with one channel.
     #[error("critical points need a signal with one channel, got {0} channels")]
     Channels(usize),
@@ -157,6 +185,8 @@ pub struct Comparison {
 pub struct ComparisonInput<'a> {
     /// Shape of the comparison.
     pub shape: &'a Shape,
+    /// Places of an image or a volume; `None` for a shape.
+    pub grid: Option<GridPlaces<'a>>,
     /// Prepared geometry and diffusion operator of the shape.
     pub decomposer: &'a Decomposer,
     /// Seconds spent on preparing the geometry and the operator; `None` if not measured.
@@ -182,6 +212,9 @@ pub fn compare(
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
+    if input.grid.is_some() != method.takes_grids() {
+        return Err(CompareError::OtherDomain);
+    }
     let start = Instant::now();
     let bands = input
         .decomposer
@@ -203,6 +236,10 @@ pub fn compare(
             normal_filter::compare(input, &bands, seconds, method, progress)
         }
         Method::Subdivision => subdivision::compare(input, &bands, seconds, progress),
+        Method::Gaussian | Method::Starlet => {
+            let places = input.grid.ok_or(CompareError::OtherDomain)?;
+            grid::compare(input, &places, &bands, seconds, method)
+        }
     }
 }
 
@@ -224,6 +261,7 @@ mod tests {
             let params = BandsParams::default();
             let input = ComparisonInput {
                 shape: &shape,
+                grid: None,
                 decomposer: &decomposer,
                 prepare_seconds: Some(0.5),
                 schedule: &schedule,

@@ -17,6 +17,7 @@ use adwave::features::{
     CoordinateFeatures, Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features,
     feature_extent, features, value_step,
 };
+use adwave::mask::missing;
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
 use adwave::signal::OutwardInfo;
 use adwave::{BandsRequest, Decomposer};
@@ -264,6 +265,29 @@ impl Analysis {
         });
         let CoordinateFeatures { features, wavelets } = found.map_err(|e| CliError::classify(&e))?;
         Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Masks the places of an image or a volume that take no part, so that numbers and pictures leave them out.
+    pub(crate) fn mask_outsiders(&mut self) -> Result<(), CliError> {
+        let Some(outsiders) =
+            self.decomposer.domain().outsiders().filter(|_| self.input.file.grid().is_some())
+        else {
+            return Ok(());
+        };
+        let is_out = |x: usize| self.decomposer.mask_flags().is_some_and(|flags| flags[x]);
+        if (0..outsiders.len()).all(|x| !outsiders[x] || is_out(x)) {
+            return Ok(());
+        }
+        let mut values = self.signal.values.to_vec();
+        for (row, _) in
+            values.chunks_exact_mut(self.signal.n_channels).zip(&outsiders).filter(|(_, out)| **out)
+        {
+            row.fill(f64::NAN);
+        }
+        let flags = missing(&values, self.signal.n_channels).unwrap_or(outsiders);
+        self.decomposer = self.decomposer.masked(&flags).map_err(CliError::input)?;
+        self.signal.values = SignalValues::Other(values);
+        Ok(())
     }
 
     /// True if the signal is the coordinates of a mesh or cloud.

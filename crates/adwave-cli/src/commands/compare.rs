@@ -4,13 +4,19 @@ use crate::args::{LevelArgs, ShapeArgs, SignalArgs, count_from_one, parse_named}
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
-use crate::output::{clone_for_output, count, make_folder, number, print, table, write_file, write_shape};
+use crate::output::values_file::ValuesFile;
+use crate::output::{clone_for_output, make_folder, number, print, table, write_file, write_shape};
+use crate::resolve::applicable::article;
 use crate::resolve::levels::{check_levels, resolve_levels};
-use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::operator::{operator_for_levels, prepare, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape, move_points};
-use crate::resolve::signal::{COORDS, load_signal};
+use crate::resolve::signal::{COORDS, Signal, load_signal};
+use adwave::bands::Schedule;
+use adwave::mask::missing;
+use adwave::{Decomposer, LevelSpec, ResolvedLevels};
 use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
-use adwave_io::{Field, FieldValues, MovedNormals};
+use adwave_baselines::grid_smoothing::{GridPlaces, starlet_widths};
+use adwave_io::{Field, FieldValues, GridLayout, MovedNormals};
 use clap::Args;
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
@@ -30,12 +36,16 @@ Methods:
   guided       denoising of a mesh by guided normal filtering; adwave drops four levels
   subdivision  wavelets by lifting on levels of the mesh: compaction, and dependence on the place
   dw, bdw      diffusion wavelets and biorthogonal ones (up to 6000 vertices), with reconstruction
+  gaussian     bands of an image or a volume by sampled Gaussians of the same widths, as gaussian_filter of SciPy
+  starlet      bands of an image or a volume by the isotropic undecimated wavelet of the B3 spline [default levels: its widths]
 
-The results are DIR/adwave.ply and DIR/METHOD.ply, the table is DIR/comparison.json.
+The results are DIR/adwave.ply and DIR/METHOD.ply, the table is DIR/comparison.json. Bands and rest of an image are the channels
+of .tif, of a volume the frames of .nii.gz, of a sequence the columns of .npy.
 
 Examples:
   adwave compare bunny.obj --with mht --harmonics 300 -o out
-  adwave compare sample:creature --vertices 3000 --with dw -o out")]
+  adwave compare sample:creature --vertices 3000 --with dw -o out
+  adwave compare volume.nii.gz --with gaussian --fwhm 4,8,16 -o out")]
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
@@ -65,6 +75,18 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     make_folder(&args.output)?;
     let method = args.method.name();
     let input = load_shape(&args.shape, global)?;
+    if input.file.grid().is_some() != args.method.takes_grids() {
+        let (takes, others) = if args.method.takes_grids() {
+            ("images and volumes", "mht and the other methods take shapes")
+        } else {
+            ("shapes", "gaussian and starlet take images and volumes")
+        };
+        let (name, kind) = (&input.name, input.kind_name());
+        return Err(CliError::Input(format!(
+            "--with {method} takes {takes}, and {name} is {} {kind}; {others}",
+            article(kind)
+        )));
+    }
     let field = match (args.method, args.signal.name_on(&input.file)) {
         (Method::FeatureMap, COORDS) => CURVATURE,
         (_, name) => name,
@@ -73,11 +95,25 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare(global, &input, &operator)?;
+    let is_grid = args.method.takes_grids();
+    let decomposer = if is_grid {
+        prepare_for_signal(global, &input, &operator, &signal, field)?
+    } else {
+        prepare(global, &input, &operator)?
+    };
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let levels = resolve_levels(&args.levels, &decomposer, global)?;
+    let kept = if is_grid { known_places(&input, &signal) } else { None };
+    let places = input.file.grid().map(|layout| {
+        let GridLayout { sizes, spacings, .. } = layout;
+        GridPlaces { sizes, spacings, kept: kept.as_deref() }
+    });
+    let mut levels = resolve_levels(&args.levels, &decomposer, global)?;
+    if let (Method::Starlet, Some(places)) = (args.method, &places) {
+        levels = starlet_levels(&args.levels.to_spec(), places, &decomposer, levels)?;
+    }
     let subject = ComparisonInput {
         shape: &input.shape,
+        grid: places,
         decomposer: &decomposer,
         prepare_seconds,
         schedule: &levels.schedule,
@@ -89,10 +125,16 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let comparison = with_progress(global, "comparing", |progress| compare(&subject, args.method, progress))?;
 
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
+    let ending = match input.kind_name() {
+        "image" => "tif",
+        "volume" => "nii.gz",
+        "sequence" => "npy",
+        _ => "ply",
+    };
     let mut text = format!(
         "{}: {}, {field}\n{}\n{}\n\n",
         input.name,
-        count(input.shape.n_vertices(), "vertex", "vertices"),
+        input.count_rows(),
         levels.reason,
         comparison.task
     );
@@ -102,7 +144,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     );
     text += "\n";
     for (name, outcomes) in [("adwave", &comparison.adwave), (method, &comparison.other)] {
-        let path = args.output.join(format!("{name}.ply"));
+        let path = args.output.join(format!("{name}.{ending}"));
         write(global, &path, &input, field, outcomes)?;
         text += &format!("{}\n", path.display());
     }
@@ -112,6 +154,38 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();
     print(global, &text, &json)
+}
+
+/// Flags of the places of an image or a volume that take part and have a value; `None` if all do.
+fn known_places(input: &Input, signal: &Signal) -> Option<Vec<bool>> {
+    let kept = input.file.grid()?.kept.as_deref();
+    let missing = missing(&signal.values, signal.n_channels);
+    let is_known =
+        |x: usize| kept.is_none_or(|kept| kept[x]) && missing.as_ref().is_none_or(|missing| !missing[x]);
+    let known: Vec<bool> = (0..input.shape.n_vertices()).map(is_known).collect();
+    known.contains(&false).then_some(known)
+}
+
+/// Levels with the widths of the starlet, unless widths or steps are asked for: as many as are asked for, or as reach the
+/// usual width.
+fn starlet_levels(
+    spec: &LevelSpec,
+    places: &GridPlaces<'_>,
+    decomposer: &Decomposer,
+    usual: ResolvedLevels,
+) -> Result<ResolvedLevels, CliError> {
+    let widest = *usual.schedule.sigma(decomposer.operator().step_length()).last().expect("a level");
+    let n_levels = match spec {
+        LevelSpec::Dyadic(n_levels) => *n_levels,
+        LevelSpec::Default => {
+            let widths = starlet_widths(places, usual.schedule.n_levels());
+            widths.iter().filter(|width| **width <= widest).count().max(1)
+        }
+        _ => return Ok(usual),
+    };
+    let widths = starlet_widths(places, n_levels);
+    let schedule = Schedule::lengths(&widths, decomposer.operator().step_length())?;
+    Ok(ResolvedLevels { schedule, reason: format!("{n_levels} levels with the widths of the starlet") })
 }
 
 fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> Value {
@@ -126,7 +200,8 @@ fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> 
     })
 }
 
-/// Writes the shape with the results as fields; smoothed coordinates become its points.
+/// Writes the shape with the results as fields, or an image or a volume with a channel for each result; smoothed
+/// coordinates become the points of the shape.
 fn write(
     global: &Global<'_>,
     path: &Path,
@@ -134,6 +209,14 @@ fn write(
     field: &str,
     outcomes: &[Outcome],
 ) -> Result<(), CliError> {
+    if let Some(kind) = ValuesFile::choose(path, &input.file).filter(|_| input.file.grid().is_some()) {
+        let field = |outcome: &Outcome| {
+            let values = FieldValues::F64(outcome.values.clone());
+            Field::new(outcome.name.as_str(), outcome.n_channels, values)
+        };
+        let fields: Vec<Field> = outcomes.iter().map(field).collect();
+        return kind.write(global, path, &fields, &input.file);
+    }
     let mut file = clone_for_output(&input.file, path);
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse" | "kept");

@@ -88,6 +88,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         format: "built-in",
         fields: &[],
         shape: &shape,
+        grid: None,
         decomposer: &decomposer,
         signal: COORDS,
         values: coords,

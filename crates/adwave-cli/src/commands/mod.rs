@@ -12,6 +12,7 @@ pub(crate) mod diff;
 pub(crate) mod evaluate;
 pub(crate) mod features;
 pub(crate) mod filter;
+mod flat_grid;
 pub(crate) mod formats;
 pub(crate) mod impute;
 pub(crate) mod info;

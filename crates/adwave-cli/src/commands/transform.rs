@@ -163,9 +163,12 @@ fn write(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     match job.file {
-        BandsFile::Npz => with_spinner(global, "writing", || write_npz(global, &args.output, job, bands)),
+        BandsFile::Npz => with_spinner(global, "writing", || {
+            write_npz(global, &args.output, &job.input, &job.signal.values, bands)
+        }),
         BandsFile::Alone(kind) => {
-            with_spinner(global, "writing", || write_alone(global, &args.output, kind, &job.input, bands))
+            let write = || kind.write(global, &args.output, &band_fields(bands), &job.input.file);
+            with_spinner(global, "writing", write)
         }
         BandsFile::Fields => write_fields(global, &args.output, job, bands),
     }
@@ -230,17 +233,23 @@ fn report(
     print(global, &text, &json)
 }
 
-/// Writes the arrays points, scaling, wavelet, steps and sigma.
-fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands) -> Result<(), CliError> {
+/// Writes the arrays points, scaling, wavelet, steps and sigma of a signal.
+pub(crate) fn write_npz(
+    global: &Global<'_>,
+    path: &Path,
+    input: &Input,
+    signal: &[f64],
+    bands: &Bands,
+) -> Result<(), CliError> {
     let provenance = provenance(global)?.to_json();
     let (d, levels) = (bands.n_channels, bands.n_levels());
-    let file = &job.input.file;
+    let file = &input.file;
     let n = file.n_file_rows();
     let in_rows = |values: Vec<f64>, n_channels: usize| match file.file_rows() {
         Some(rows) => rows.spread_values(&values, n_channels),
         None => values,
     };
-    let scaling = in_rows(all_scaling(&job.signal, bands), d);
+    let scaling = in_rows(all_scaling(signal, bands), d);
     let all_wavelets = &bands.as_slice()[..levels * bands.n_vertices * d];
     let spread = file.file_rows().map(|rows| rows.spread_values(all_wavelets, d));
     let wavelet = spread.as_deref().unwrap_or(all_wavelets);
@@ -255,7 +264,7 @@ fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands
         ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
         ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
     ];
-    let points = job.input.shape.points().map(|points| in_rows(points.as_flattened().to_vec(), 3));
+    let points = input.shape.points().map(|points| in_rows(points.as_flattened().to_vec(), 3));
     if let Some(points) = &points {
         arrays.push(("points", &points_shape, ArrayValues::F64(points)));
     }
@@ -263,22 +272,15 @@ fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands
     write_file_with(global, path, |path| adwave_io::write_npz(path, &arrays, Compression::Stored))
 }
 
-/// Writes the fields W1 … WJ and SJ without the shape.
-fn write_alone(
-    global: &Global<'_>,
-    path: &Path,
-    kind: ValuesFile,
-    input: &Input,
-    bands: &Bands,
-) -> Result<(), CliError> {
+/// The fields W1 … WJ and SJ.
+pub(crate) fn band_fields(bands: &Bands) -> Vec<Field> {
     let n_levels = bands.n_levels();
     let name = |j: usize| if j < n_levels { format!("W{}", j + 1) } else { format!("S{n_levels}") };
     let size = bands.n_vertices * bands.n_channels;
     let field = |(j, values): (usize, &[f64])| {
         Field::new(name(j), bands.n_channels, FieldValues::F64(values.to_vec()))
     };
-    let fields: Vec<Field> = bands.as_slice().chunks_exact(size).enumerate().map(field).collect();
-    kind.write(global, path, &fields, &input.file)
+    bands.as_slice().chunks_exact(size).enumerate().map(field).collect()
 }
 
 /// Writes the shape with the fields S0 … SJ and W1 … WJ.
@@ -286,7 +288,8 @@ fn write_fields(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Ba
     let mut file = clone_for_output(&job.input.file, path);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
-    for (j, level) in all_scaling(&job.signal, bands).chunks_exact(job.signal.values.len()).enumerate() {
+    for (j, level) in all_scaling(&job.signal.values, bands).chunks_exact(job.signal.values.len()).enumerate()
+    {
         file.add_vertex_field(field(format!("S{j}"), level))?;
     }
     for (j, level) in bands.wavelets().enumerate() {
@@ -296,8 +299,8 @@ fn write_fields(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Ba
 }
 
 /// S_f(0) … S_f(J), where S_f(0) is the signal itself.
-fn all_scaling(signal: &Signal, bands: &Bands) -> Vec<f64> {
+fn all_scaling(signal: &[f64], bands: &Bands) -> Vec<f64> {
     let mut scaling = bands.all_scaling();
-    scaling[..signal.values.len()].copy_from_slice(&signal.values);
+    scaling[..signal.len()].copy_from_slice(signal);
     scaling
 }

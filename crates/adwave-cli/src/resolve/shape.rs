@@ -244,8 +244,20 @@ pub(crate) fn row_words(file: &ShapeFile) -> [&'static str; 2] {
 }
 
 /// Commands that take images and volumes.
-const GRID_COMMANDS: [&str; 9] =
-    ["info", "transform", "filter", "denoise", "saliency", "features", "region", "render", "convert"];
+const GRID_COMMANDS: [&str; 12] = [
+    "info",
+    "transform",
+    "filter",
+    "denoise",
+    "saliency",
+    "features",
+    "region",
+    "diff",
+    "compare",
+    "report",
+    "render",
+    "convert",
+];
 
 /// The domain of an image or a volume, with heat on its grid.
 fn grid_of(file: &ShapeFile, name: &str, global: &Global<'_>) -> Result<Option<Decomposer>, CliError> {

@@ -15,6 +15,7 @@ mod field_files;
 mod gains_everywhere;
 mod graphs;
 mod grids;
+mod grids_compared;
 mod hostile;
 mod labels;
 mod levels;

@@ -12,6 +12,10 @@ pub const GRID_VALUES: &str = "values";
 /// Cosine up to which axes count as at right angles: rounding of 32-bit floats in a matrix, ten times over.
 const RIGHT_ANGLE: f64 = 1e-5;
 
+/// Greatest distance between corners of two grids that count as the same, in spacings: headers round affine matrices to
+/// 32-bit floats.
+const SAME_PLACE: f64 = 0.1;
+
 /// Sizes, spacings and position of the axes of an image or a volume.
 ///
 /// ```
@@ -89,6 +93,32 @@ impl GridLayout {
         Ok(match &self.kept {
             Some(kept) => grid.with_kept(kept.clone())?,
             None => grid,
+        })
+    }
+
+    /// Difference between the places of this grid and another one, such as `sizes are [2, 3], got [3, 2]`; `None` if
+    /// their sizes are equal and their corners within a tenth of a spacing.
+    ///
+    /// ```
+    /// let (grid, mut turned) = (adwave_io::GridLayout::new(&[4, 4], &[1.0; 2]), adwave_io::GridLayout::new(&[4, 4], &[1.0; 2]));
+    /// assert_eq!(grid.difference(&turned), None);
+    /// turned.steps.swap(0, 1);
+    /// assert_eq!(grid.difference(&turned).unwrap(), "place 12 is at [0.0, 3.0, 0.0], got [3.0, 0.0, 0.0]");
+    /// ```
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        if self.sizes != other.sizes {
+            return Some(format!("sizes are {:?}, got {:?}", self.sizes, other.sizes));
+        }
+        let finest = self.spacings.iter().copied().fold(f64::INFINITY, f64::min);
+        let end = |axis: usize| {
+            let stride: usize = self.sizes[axis + 1..].iter().product();
+            stride * self.sizes[axis].saturating_sub(1)
+        };
+        std::iter::once(0).chain((0..self.sizes.len()).map(end)).find_map(|place| {
+            let (expected, found) = (self.position(place), other.position(place));
+            let square: f64 = expected.iter().zip(&found).map(|(a, b)| (a - b).powi(2)).sum();
+            let is_same = square.sqrt() <= SAME_PLACE * finest;
+            (!is_same).then(|| format!("place {place} is at {expected:?}, got {found:?}"))
         })
     }
 

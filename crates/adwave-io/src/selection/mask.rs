@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::SelectionError;
 use crate::model::format_descriptor::{MaskRequest, VertexMask};
-use crate::model::grid_layout::{GRID_VALUES, GridLayout};
+use crate::model::grid_layout::GRID_VALUES;
 use crate::registry::values::read_vertex_mask;
 use crate::signal::values_of_file;
 use crate::{Format, ReadLimits, ShapeFile, read_path};
@@ -81,10 +81,6 @@ pub(super) fn read_mask(file: &ShapeFile, mask: &MaskFile) -> Result<VertexMask,
     Ok(found)
 }
 
-/// Greatest distance between corners of two grids that count as the same, in spacings: headers round affine matrices to
-/// 32-bit floats.
-const SAME_PLACE: f64 = 0.1;
-
 /// Reads an image or a volume as the mask of another one with the same places; `None` for another kind of file.
 fn grid_mask(file: &ShapeFile, name: &str) -> Result<Option<VertexMask>, SelectionError> {
     let path = Path::new(name);
@@ -92,7 +88,7 @@ fn grid_mask(file: &ShapeFile, name: &str) -> Result<Option<VertexMask>, Selecti
     let Some(layout) = file.grid().filter(|_| is_grid) else { return Ok(None) };
     let mask = read_path(path, &ReadLimits::default())?;
     let Some(other) = mask.grid() else { return Ok(None) };
-    if let Some(what) = describe_difference(layout, other) {
+    if let Some(what) = layout.difference(other) {
         return Err(SelectionError::MaskGrid { mask: name.to_owned(), what });
     }
     let Some(values) = mask.field(GRID_VALUES) else { return Ok(None) };
@@ -107,21 +103,6 @@ fn grid_mask(file: &ShapeFile, name: &str) -> Result<Option<VertexMask>, Selecti
         takes_part: (0..values.len()).map(is_inside).collect(),
         meaning: "places with a number other than 0 and NaN take part".to_owned(),
     }))
-}
-
-/// Difference between the places of two grids; `None` if they are the same.
-fn describe_difference(file: &GridLayout, mask: &GridLayout) -> Option<String> {
-    if file.sizes != mask.sizes {
-        return Some(format!("sizes are {:?}, got {:?}", file.sizes, mask.sizes));
-    }
-    let finest = file.spacings.iter().copied().fold(f64::INFINITY, f64::min);
-    let corner = file.n_places().saturating_sub(1);
-    [0, corner].into_iter().find_map(|place| {
-        let (expected, found) = (file.position(place), mask.position(place));
-        let square: f64 = expected.iter().zip(&found).map(|(a, b)| (a - b).powi(2)).sum();
-        let is_same = square.sqrt() <= SAME_PLACE * finest;
-        (!is_same).then(|| format!("place {place} is at {expected:?}, got {found:?}"))
-    })
 }
 
 /// Reads a file that names vertices; `None` for a file of numbers.

@@ -5,6 +5,7 @@ use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::detail::detail_loss;
 use crate::page::{Block, Figure, Image, Section};
 use crate::table::{NONE, Table, column, digits};
+use adwave::bands::FWHM;
 use adwave_render::plot::{Chart, ChartAxis, Mark, Series};
 
 /// Largest number of levels that are drawn.
@@ -59,7 +60,10 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             format!("The smoothed signal: S_j of {}, in the same range of colors.", subject.scalar_name())
         });
         section.gallery(smoothed(subject, studio));
-        section.say("The bands: W_j on the original shape, each in its own range of colors.");
+        section.say(match subject.grid {
+            Some(_) => "The bands W_j, each in its own range of colors.",
+            None => "The bands: W_j on the original shape, each in its own range of colors.",
+        });
         section.gallery(magnitudes(subject, studio));
     }
     (section, bands)
@@ -160,6 +164,7 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
             "level j",
             "steps n_j",
             &format!("σ_j, {width}"),
+            &format!("FWHM, {width}"),
             "σ_j, % of the diagonal",
             &format!("rms of W_j, {unit}"),
             &format!("largest |W_j|, {unit}"),
@@ -171,6 +176,7 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
     let numbers = |value: &dyn Fn(&BandSummary) -> f64| column(&bands.iter().map(value).collect::<Vec<_>>());
     let columns = [
         numbers(&|b| b.sigma),
+        numbers(&|b| if subject.percent(b.sigma).is_nan() { f64::NAN } else { FWHM * b.sigma }),
         numbers(&|b| subject.percent(b.sigma)),
         numbers(&|b| b.rms),
         numbers(&|b| b.max),
@@ -179,12 +185,13 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
         numbers(&|b| 100.0 * b.detail_share),
     ];
     for (k, band) in bands.iter().enumerate() {
-        let [sigma, percent, rms, max, energy, variance, detail] =
+        let [sigma, fwhm, percent, rms, max, energy, variance, detail] =
             columns.each_ref().map(|cells| cells[k].clone());
         table.push([
             band.level.to_string(),
             format_steps(band.steps),
             sigma,
+            fwhm,
             percent,
             rms,
             max,
@@ -199,7 +206,18 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
     let variance = rest_share.map_or(NONE.to_owned(), |share| digits(100.0 * share));
     let none = || NONE.to_owned();
     let name = format!("rest S_{}", bands.len());
-    table.push([name, none(), none(), none(), digits(energies.rest.sqrt()), none(), rest, variance, none()]);
+    table.push([
+        name,
+        none(),
+        none(),
+        none(),
+        none(),
+        digits(energies.rest.sqrt()),
+        none(),
+        rest,
+        variance,
+        none(),
+    ]);
     table.drop_empty_columns()
 }
 
@@ -208,8 +226,11 @@ fn losses(subject: &Subject<'_>, bands: &[BandSummary]) -> Table {
     let (width, unit) = (subject.width_unit(), subject.unit());
     let mut table = Table::new(
         "detail.csv",
-        "The loss when the bands up to level j are dropped, as `adwave filter --gains` does with j zeros followed by ones: the \
-         distance of the signal f from S_j over the vertices; the rms is weighted by area.",
+        &format!(
+            "The loss when the bands up to level j are dropped, as `adwave filter --gains` does with j zeros followed by ones: \
+             the distance of the signal f from S_j over the {}; the rms is weighted by area.",
+            subject.vertices()
+        ),
         &[
             "bands dropped",
             &format!("σ_j, {width}"),
@@ -321,22 +342,19 @@ fn chart_figure(chart: &Chart, alt: &str, caption: String) -> Result<Figure, Str
 
 fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure>, String> {
     let bands = subject.bands;
-    let scale = Scale::from_percentiles(&subject.scalar(subject.values));
     let scaling = bands.all_scaling();
     let specs: Vec<PictureSpec<'_>> = select_levels(bands.n_levels())
         .into_iter()
         .map(|j| {
             let caption =
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
-            let spec = PictureSpec::plain(format!("{} smoothed to level {j}", subject.signal), caption);
-            if subject.is_geometry() {
-                spec.with_positions(
-                    scaling[(j * subject.values.len())..][..subject.values.len()].as_chunks().0,
-                )
-            } else {
-                let values = subject.scalar(&bands.scaling(j));
-                spec.field(FieldLook::new(values, subject.scalar_name(), scale))
-            }
+            let values = &scaling[(j * subject.values.len())..][..subject.values.len()];
+            PictureSpec::of_signal(
+                subject,
+                values,
+                format!("{} smoothed to level {j}", subject.signal),
+                caption,
+            )
         })
         .collect();
     studio.draw(&specs)
@@ -350,7 +368,7 @@ fn magnitudes(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figu
             let values = subject.scalar(bands.wavelet(j));
             let signed = bands.n_channels == 1;
             let scale =
-                if signed { Scale::from_percentiles(&values) } else { Scale::from_zero(&values, 0.99) };
+                if signed { Scale::about_zero(&values, 0.99) } else { Scale::from_zero(&values, 0.99) };
             let name = if signed { format!("W_{j}") } else { format!("|W_{j}|") };
             let caption = format!("{name}, of {}.", width(subject, bands.sigma[j]));
             PictureSpec::plain(format!("Band {j} of {}", subject.signal), caption).field(FieldLook::new(

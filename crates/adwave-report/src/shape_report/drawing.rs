@@ -1,13 +1,13 @@
 //! Pictures of the shape for the page, with one camera, and their legends.
 
-use super::Viewpoint;
+use super::{Subject, Viewpoint};
 use crate::page::{Figure, Image, Legend};
 use crate::table::range_end;
 use adwave::shape::{Shape, triangulate};
 use adwave::{Cancelled, Progress};
 use adwave_render::{
-    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
-    Surface, Up, ValueRange, View, grid, value_range,
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, Projection, RenderParams,
+    SharedCamera, Surface, Up, ValueRange, View, grid, value_range,
 };
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -29,12 +29,14 @@ const N_STOPS: u32 = 16;
 
 /// Shape as it is drawn, with the camera.
 pub(crate) struct Studio<'a> {
-    points: &'a [[f64; 3]],
+    /// Positions of the drawn vertices.
+    points: Cow<'a, [[f64; 3]]>,
     triangles: Vec<[u32; 3]>,
     /// Indices of the drawn vertices; `None` if all are drawn.
     drawn_vertices: Option<Vec<u32>>,
     view: View,
     up: Up,
+    projection: Projection,
     progress: Progress<'a>,
     n_pictures: usize,
     seconds: f64,
@@ -58,6 +60,20 @@ impl<'a> PictureSpec<'a> {
     /// Describes a picture of the shape in one color.
     pub(crate) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
+    }
+
+    /// Describes a picture of values of the subject's signal: as positions of the vertices, or as colors in the range of
+    /// the signal.
+    pub(crate) fn of_signal(subject: &Subject<'_>, values: &[f64], alt: String, caption: String) -> Self {
+        let spec = Self::plain(alt, caption);
+        if subject.is_geometry() {
+            return spec.with_positions(values.as_chunks().0.to_vec());
+        }
+        let mut scale = Scale::from_percentiles(&subject.scalar(subject.values));
+        if subject.grid.is_some() {
+            scale = scale.in_gray();
+        }
+        spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
     }
 
     /// Sets the positions of the vertices.
@@ -119,6 +135,13 @@ impl Scale {
         Self::new(low, high)
     }
 
+    /// Shows values of one sign in gray, as images are shown.
+    pub(crate) fn in_gray(self) -> Self {
+        let has_both_signs = self.low < 0.0 && self.high > 0.0;
+        let gray = ColorMap::from_name("gray").filter(|_| !has_both_signs);
+        Self { map: gray.unwrap_or(self.map), ..self }
+    }
+
     fn new(low: f64, high: f64) -> Self {
         // The width of the range must be finite.
         let (low, high) = (low.clamp(-1e300, 1e300), high.clamp(-1e300, 1e300));
@@ -166,11 +189,12 @@ impl<'a> Studio<'a> {
             _ => Vec::new(),
         };
         let start = Instant::now();
-        let (drawn_vertices, triangles) = if points.len() > MAX_VERTICES {
+        let (points, drawn_vertices, triangles) = if points.len() > MAX_VERTICES {
             let (drawn, triangles) = thin_out(points, &triangles, shape.diagonal() / CELLS, progress)?;
-            (Some(drawn), triangles)
+            let points = drawn.iter().map(|&v| points[v as usize]).collect();
+            (Cow::Owned(points), Some(drawn), triangles)
         } else {
-            (None, triangles)
+            (Cow::Borrowed(points), None, triangles)
         };
         Ok(Self {
             points,
@@ -179,8 +203,28 @@ impl<'a> Studio<'a> {
             progress: progress.quiet(),
             view: viewpoint.view.unwrap_or(View::THREE_QUARTER),
             up: viewpoint.up,
+            projection: RenderParams::default().projection,
             n_pictures: 0,
             seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// The studio of a shape, or of the sheet of an image or a volume, which is seen from the front.
+    pub(crate) fn for_subject(
+        subject: &Subject<'a>,
+        viewpoint: Viewpoint,
+        progress: Progress<'a>,
+    ) -> Result<Self, Cancelled> {
+        let studio = Self::new(subject.shape, viewpoint, progress)?;
+        let Some(sheet) = subject.grid.and_then(|grid| grid.sheet) else { return Ok(studio) };
+        Ok(Self {
+            points: Cow::Borrowed(sheet.points),
+            triangles: sheet.triangles.to_vec(),
+            drawn_vertices: Some(sheet.places.to_vec()),
+            view: View::FRONT,
+            up: Up::Y,
+            projection: Projection::Orthographic,
+            ..studio
         })
     }
 
@@ -219,7 +263,8 @@ impl<'a> Studio<'a> {
         self.figures(start, &pictures, specs)
     }
 
-    /// Draws `front` like [`draw`](Self::draw), and `back` from the opposite side; all pictures have the same height.
+    /// Draws `front` like [`draw`](Self::draw), and `back` from the opposite side, which a sheet does not have; all pictures
+    /// have the same height.
     ///
     /// # Errors
     /// A message if they cannot be drawn.
@@ -228,6 +273,10 @@ impl<'a> Studio<'a> {
         front: Vec<PictureSpec<'_>>,
         back: Vec<PictureSpec<'_>>,
     ) -> Result<Vec<Figure>, String> {
+        // A sheet is seen without perspective.
+        if self.projection == Projection::Orthographic {
+            return self.draw(&front);
+        }
         let start = Instant::now();
         let View { azimuth, elevation } = self.view;
         let mut pictures = self.pictures(self.view, &front)?;
@@ -271,8 +320,9 @@ impl<'a> Studio<'a> {
         let shown: Vec<DrawnValues<'_>> = specs
             .iter()
             .map(|f| {
-                let points = f.points.as_deref().unwrap_or(self.points);
-                (self.select_drawn(points), f.field.as_ref().map(|look| self.select_drawn(&look.values)))
+                let points =
+                    f.points.as_deref().map_or(Cow::Borrowed(&*self.points), |own| self.select_drawn(own));
+                (points, f.field.as_ref().map(|look| self.select_drawn(&look.values)))
             })
             .collect();
         let panels: Vec<Panel<'_>> = specs
@@ -284,6 +334,7 @@ impl<'a> Studio<'a> {
             .with_size(SIDE, SIDE)
             .with_view(view)
             .with_up(self.up)
+            .with_projection(self.projection)
             .with_background(Background::Transparent)
             .with_color_bar(ColorBar::Hidden);
         let sheet =

@@ -8,7 +8,7 @@ use crate::page::{Block, Figure, Legend, Section};
 use crate::table::{NONE, Table, digits};
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule};
-use adwave::features::{Feature, FeatureParams, ShapeCoordinates, coordinate_features};
+use adwave::features::{Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
@@ -26,7 +26,11 @@ pub struct FeatureSummary {
 
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<FeatureSummary>) {
     let mut section = Section::new("features", "Features");
-    let params = FeatureParams::default();
+    let mut params = FeatureParams::default();
+    if subject.grid.is_some() {
+        // The mean of a level, by which the usual response divides, is that of the background of an image.
+        params = params.with_response(Response::Literal);
+    }
     let start = Instant::now();
     let is_significant = subject.is_geometry() && params.finds_significant(subject.decomposer);
     let found = if is_significant {
@@ -137,7 +141,7 @@ fn strongest_table(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]
     for f in found.iter().take(MAX_LISTED) {
         let none = || NONE.to_owned();
         table.push([
-            f.vertex.to_string(),
+            subject.place(f.vertex),
             f.position.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
             f.level.to_string(),
             digits(f.sigma),
@@ -161,9 +165,18 @@ fn pictures(
     let color = |level: usize| map.color(0.12 + 0.76 * (level as f64 - 2.0) / (last - 2.0));
     let balls: Vec<Ball> = found
         .iter()
-        .filter_map(|f| Some(Ball { center: f.position?, radius: f.sigma, color: color(f.level) }))
+        .filter_map(|f| {
+            let center = match &subject.grid {
+                Some(grid) => grid.position_on_sheet(f.vertex),
+                None => f.position,
+            };
+            Some(Ball { center: center?, radius: f.sigma, color: color(f.level) })
+        })
         .filter(|ball| ball.radius > 0.0)
         .collect();
+    if balls.is_empty() && subject.grid.is_some() {
+        return Ok(Vec::new());
+    }
     let keys = || {
         let key = |&(level, count): &(usize, usize)| {
             let sigma = digits(subject.bands.sigma[level]);
@@ -171,10 +184,13 @@ fn pictures(
         };
         Some(Legend::Keys(levels.iter().map(key).collect()))
     };
-    let front = PictureSpec::plain(
-        format!("Features of {}", subject.name),
-        "A ball for each feature, of radius σ_j, colored by level. Features on the far side are hidden.",
-    );
+    let alt = format!("Features of {}", subject.name);
+    let caption = "A ball for each feature, of radius σ_j, colored by level.";
+    let front = if subject.grid.is_some() {
+        PictureSpec::of_signal(subject, subject.values, alt, caption.to_owned())
+    } else {
+        PictureSpec::plain(alt, format!("{caption} Features on the far side are hidden."))
+    };
     let back = PictureSpec::plain(
         format!("Features of {} from the opposite side", subject.name),
         "The same from the opposite side.",

@@ -109,8 +109,7 @@ fn verdict(subject: &Subject<'_>, health: &Health, irregularities: &[Fact]) -> V
 fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = counts(subject, health);
     list.extend(sizes(subject, health));
-    let (edge, step) = (subject.decomposer.mean_length(), subject.decomposer.operator().step_length());
-    let unit = subject.width_unit();
+    let (edge, unit) = (subject.decomposer.mean_length(), subject.width_unit());
     if subject.shape.points().is_some() {
         let kind = subject.decomposer.operator_kind();
         let meaning = match (subject.shape, kind) {
@@ -126,18 +125,30 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         let name = if subject.shape.is_mesh() { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
+    list.extend(operator_facts(subject));
+    list
+}
+
+/// Facts about the diffusion operator and the fields of the file.
+pub(super) fn operator_facts(subject: &Subject<'_>) -> Vec<Fact> {
     let (name, meaning) = match subject.decomposer.operator_kind() {
+        _ if subject.grid.is_some() => {
+            ("heat", "Heat on the grid: a Gaussian of the same width along each axis, whose borders reflect.")
+        }
         OperatorKind::Walk => ("walk", "A lazy random walk over the edges, as in the paper."),
         OperatorKind::Surface => {
             ("surface", "Heat diffusion on the surface; its widths hardly depend on the mesh.")
         }
     };
-    list.push(fact("Diffusion operator", name.to_owned(), meaning));
-    list.push(fact(
-        "Step of the diffusion operator",
-        format!("{} {unit}", digits(step)),
-        "Root mean square length s of a step; after n steps, σ = s·√n.",
-    ));
+    let (step, unit) = (subject.decomposer.operator().step_length(), subject.width_unit());
+    let mut list = vec![
+        fact("Diffusion operator", name.to_owned(), meaning),
+        fact(
+            "Step of the diffusion operator",
+            format!("{} {unit}", digits(step)),
+            "Root mean square length s of a step; after n steps, σ = s·√n.",
+        ),
+    ];
     if !subject.fields.is_empty() {
         list.push(fact(
             "Fields in the file",

@@ -5,6 +5,7 @@
 mod bands;
 pub(crate) mod drawing;
 pub(crate) mod features;
+mod grid;
 mod health;
 mod place;
 pub(crate) mod presets;
@@ -15,6 +16,7 @@ mod timings;
 pub(crate) use bands::section as band_section;
 pub use bands::{BandSummary, band_summaries};
 pub use features::FeatureSummary;
+pub use grid::{Sheet, SubjectGrid, grid_index};
 pub use presets::PresetSummary;
 pub use saliency::SaliencySummary;
 
@@ -44,8 +46,10 @@ pub struct Subject<'a> {
     pub format: &'a str,
     /// Names of the fields in the file.
     pub fields: &'a [String],
-    /// Shape itself.
+    /// Shape itself; of an image or a volume the graph of its places.
     pub shape: &'a Shape,
+    /// Axes of an image or a volume; `None` for a shape.
+    pub grid: Option<SubjectGrid<'a>>,
     /// Prepared geometry and diffusion operator. Vertices where the signal is NaN are masked.
     pub decomposer: &'a Decomposer,
     /// Name of the signal: [`COORDS`], or the name of a field.
@@ -71,8 +75,12 @@ impl Subject<'_> {
     }
 
     /// Unit of the signal, in words.
-    fn unit(&self) -> String {
-        if self.is_geometry() || self.signal == DIFFERENCE {
+    pub(crate) fn unit(&self) -> String {
+        if let Some(grid) = &self.grid
+            && self.signal == DIFFERENCE
+        {
+            format!("units of the {}", grid.kind)
+        } else if self.is_geometry() || self.signal == DIFFERENCE {
             "model units".to_owned()
         } else {
             format!("units of {}", self.signal)
@@ -80,18 +88,35 @@ impl Subject<'_> {
     }
 
     /// Unit of the widths σ, in words.
-    fn width_unit(&self) -> &'static str {
-        if self.shape.points().is_some() { "model units" } else { "hops" }
+    fn width_unit(&self) -> &str {
+        match &self.grid {
+            Some(grid) => grid.unit,
+            None if self.shape.points().is_some() => "model units",
+            None => "hops",
+        }
+    }
+
+    /// Number of a vertex, or the index of a place.
+    fn place(&self, vertex: usize) -> String {
+        self.grid.as_ref().map_or_else(|| vertex.to_string(), |grid| grid.index(vertex))
     }
 
     /// Word for a vertex of this shape.
     fn vertex(&self) -> &'static str {
-        if self.shape.is_graph() { "node" } else { "vertex" }
+        match &self.grid {
+            Some(grid) => grid.words[0],
+            None if self.shape.is_graph() => "node",
+            None => "vertex",
+        }
     }
 
     /// Word for several vertices of this shape.
     fn vertices(&self) -> &'static str {
-        if self.shape.is_graph() { "nodes" } else { "vertices" }
+        match &self.grid {
+            Some(grid) => grid.words[1],
+            None if self.shape.is_graph() => "nodes",
+            None => "vertices",
+        }
     }
 
     /// Formats a point, with a precision of a ten-thousandth of the size of the shape.
@@ -111,6 +136,16 @@ impl Subject<'_> {
     fn percent(&self, width: f64) -> f64 {
         let diagonal = self.decomposer.extent();
         if diagonal > 0.0 { 100.0 * width / diagonal } else { f64::NAN }
+    }
+
+    /// A map that is NaN where the signal has no value.
+    fn without_missing(&self, mut map: Vec<f64>) -> Vec<f64> {
+        if self.grid.is_some()
+            && let Some(masked) = self.decomposer.mask_flags()
+        {
+            map.iter_mut().zip(masked).filter(|(_, masked)| **masked).for_each(|(v, _)| *v = f64::NAN);
+        }
+        map
     }
 
     /// Norm of the signal at each vertex; for a single channel the value itself.
@@ -141,8 +176,8 @@ pub struct Viewpoint {
 pub struct ShapeReport {
     /// HTML page.
     pub page: Page,
-    /// Numbers of the health section.
-    pub health: Health,
+    /// Numbers of the health section; `None` for an image or a volume.
+    pub health: Option<Health>,
     /// Statistics of the bands, one entry per level.
     pub bands: Vec<BandSummary>,
     /// Statistics of the saliency map; `None` if it could not be computed.
@@ -171,9 +206,13 @@ pub fn shape_report(
     let mut seconds: Vec<(String, f64)> =
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
-    let mut studio = Studio::new(subject.shape, viewpoint, progress)?;
-    let (health_section, health) = health::section(subject);
-    let shape_section = scene::section(subject, &mut studio);
+    let mut studio = Studio::for_subject(subject, viewpoint, progress)?;
+    let (health_section, health, shape_section) = if let Some(axes) = &subject.grid {
+        (grid::section(subject, axes), None, grid::scene(subject, axes, &mut studio))
+    } else {
+        let (section, health) = health::section(subject);
+        (section, Some(health), scene::section(subject, &mut studio))
+    };
     progress.step(1, N_SECTIONS)?;
     let (bands_section, bands) = bands::section(subject, &mut studio);
     progress.step(2, N_SECTIONS)?;
@@ -183,7 +222,8 @@ pub fn shape_report(
     let (features_section, features) = features::section(subject, &mut studio);
     seconds.extend(features.iter().map(|f| ("features".to_owned(), f.seconds)));
     progress.step(4, N_SECTIONS)?;
-    let (presets_section, presets) = presets::section(subject, &mut studio, health.volume);
+    let (presets_section, presets) =
+        presets::section(subject, &mut studio, health.as_ref().and_then(|health| health.volume));
     seconds.push(("presets".to_owned(), presets.iter().map(|p| p.seconds).sum()));
     progress.step(5, N_SECTIONS)?;
     if studio.n_pictures() > 0 {
@@ -233,8 +273,9 @@ fn introduction(subject: &Subject<'_>) -> Vec<String> {
     };
     vec![
         format!(
-            "A report on {}: its geometry and its bands. The signal that is decomposed into bands is {signal}.",
-            subject.name
+            "A report on {}: its {} and its bands. The signal that is decomposed into bands is {signal}.",
+            subject.name,
+            if subject.grid.is_some() { "values" } else { "geometry" }
         ),
         format!(
             "S_j is the signal after n_j small steps of averaging between neighbors, which remove details narrower than about \

@@ -1,7 +1,7 @@
 //! Presets section: the effect of each preset filter.
 
 use super::Subject;
-use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
+use super::drawing::{PictureSpec, Studio};
 use crate::page::{Block, Figure, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
@@ -118,27 +118,24 @@ fn pictures(
     studio: &mut Studio<'_>,
     edited: &[PresetResult],
 ) -> Result<Vec<Figure>, String> {
-    let original = subject.scalar(subject.values);
-    let scale = Scale::from_percentiles(&original);
-    let spec = |values: &[f64], alt: String, caption: String| {
-        let spec = PictureSpec::plain(alt, caption);
-        if subject.is_geometry() {
-            spec.with_positions(values.as_chunks().0.to_vec())
-        } else {
-            spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
-        }
-    };
-    let mut specs = vec![spec(
+    let mut specs = vec![PictureSpec::of_signal(
+        subject,
         subject.values,
-        format!("The original shape, {}", subject.name),
+        format!("The original, {}", subject.name),
         "The original.".to_owned(),
     )];
     for PresetResult { summary, values } in edited {
         let name = summary.name;
-        specs.push(spec(
+        let effect = match (name, subject.grid) {
+            ("suppress", Some(_)) => "smooths: `1 − (1 − Φⁿ)²`",
+            ("suppress-paper", Some(_)) => "removes every band: the rest S_J alone",
+            _ => describe_preset(name),
+        };
+        specs.push(PictureSpec::of_signal(
+            subject,
             values,
             format!("{} after {name}", subject.name),
-            format!("`{name}` {}. {}.", describe_preset(name), describe_change(subject, summary)),
+            format!("`{name}` {effect}. {}.", describe_change(subject, summary)),
         ));
     }
     studio.draw(&specs)
@@ -189,7 +186,7 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
             gains.join(" "),
             rms,
             max,
-            s.vertex.map_or_else(|| NONE.to_owned(), |v| v.to_string()),
+            s.vertex.map_or_else(|| NONE.to_owned(), |v| subject.place(v)),
             s.volume_ratio.map_or_else(|| NONE.to_owned(), |r| format!("{:.2}", 100.0 * r)),
         ]);
     }

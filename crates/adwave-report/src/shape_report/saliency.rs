@@ -43,6 +43,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             return (section, None);
         }
     };
+    let map = subject.without_missing(map);
     let seconds = start.elapsed().as_secs_f64();
     describe_map(&mut section, outward.as_ref(), is_signed);
     let by_class = subject.decomposer.vertex_map().mean(&map, 1);
@@ -71,8 +72,9 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         _ => String::new(),
     };
     section.say(format!(
-        "The map is largest at {} {vertex}{at}. The most salient {:.0} % of the {} have {:.0} % of the sum of all positive values; they form {}.",
+        "The map is largest at {} {}{at}. The most salient {:.0} % of the {} have {:.0} % of the sum of all positive values; they form {}.",
         subject.vertex(),
+        subject.place(vertex),
         100.0 * TOP,
         subject.vertices(),
         100.0 * top / sum,
@@ -137,7 +139,7 @@ fn patch_table(subject: &Subject<'_>, places: Option<&Places>, patches: &[Patch]
         let p = subject.decomposer.positions().get(patch.peak).copied();
         let none = || NONE.to_owned();
         table.push([
-            vertex_of(subject, patch.peak).to_string(),
+            subject.place(vertex_of(subject, patch.peak)),
             p.zip(places).map_or_else(none, |(p, places)| places.words(&p)),
             patch.n_vertices.to_string(),
             format!("{:.2}", 100.0 * patch.sum / sum),
@@ -158,9 +160,10 @@ fn pictures(
     let front = PictureSpec::plain(
         format!("Saliency of {}", subject.name),
         format!(
-            "Saliency{}. The most salient {:.0} % of the vertices have the last color{}.",
+            "Saliency{}. The most salient {:.0} % of the {} have the last color{}.",
             if is_signed { ", positive in red and negative in blue" } else { "" },
             100.0 * TOP,
+            subject.vertices(),
             if is_signed { " of their sign" } else { "" }
         ),
     );

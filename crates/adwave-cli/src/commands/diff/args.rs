@@ -15,22 +15,28 @@ closest point lies on a border of OTHER has no value, unless it lies exactly bes
 The greatest distances both ways (forward, reverse) include those places, and those between vertices. The bands of the
 difference show at which scale the two differ.
 
+Images and volumes with the same sizes and affine matrix are compared place by place; places without data in either take no part.
+
 Output by extension:
   .html       a page with both shapes, a map of the difference, a table by level, and a map of each band
   .ply .vtp   SHAPE with the fields difference, W1 ... WJ and the rest S_J
+  .nii .tif   of an image or a volume, the same as frames; also .nrrd, .npy and others
+  .npz        of an image or a volume, the arrays of 'adwave transform' for the difference
 
 Examples:
   adwave diff before.ply after.ply                      a table by level, in model units
   adwave diff scan1.ply scan2.ply --align -o diff.html     two scans, aligned first
   adwave diff part.stl printed.ply --align --limit 5%    points farther away are not compared
-  adwave diff a.ply b.ply --lengths 1,2,5,10 -o diff.ply --json")]
+  adwave diff a.ply b.ply --lengths 1,2,5,10 -o diff.ply --json
+  adwave diff before.nii.gz after.nii.gz --fwhm 4,8,16 -o diff.nii.gz")]
 pub(crate) struct DiffArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     /// Other version: a file, '-', or sample:NAME
     #[arg(value_name = "OTHER", value_parser = file_name())]
     pub(crate) other: String,
-    /// File for the difference (.html, .ply or .vtp); without it only a table is printed
+    /// File for the difference (.html, .ply or .vtp; of images and volumes their formats); without it only a table is
+    /// printed
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
     /// Align OTHER with SHAPE first, by a robust rigid motion: from where it is, or from features and a grid of

@@ -2,9 +2,9 @@
 
 mod args;
 mod balls;
-mod flat_grid;
 mod framing;
 
+use super::flat_grid::{FlatGrid, MOST_PLACES, ball_on_sheet};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
@@ -27,7 +27,6 @@ use adwave_render::{
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
 use balls::read_balls;
-use flat_grid::{FlatGrid, ball_on_sheet};
 use serde_json::json;
 use std::time::Instant;
 
@@ -239,7 +238,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     let source = ShapeSource { kind, sample, part, selection, ..ShapeSource::new(name) };
     let input = load_source(&source, global)?;
     if let Some(layout) = input.file.grid() {
-        let sheet = FlatGrid::new(layout, name, global)?;
+        let sheet = FlatGrid::new(layout, name, MOST_PLACES, global)?;
         return load_sheet(args, input, sheet, global);
     }
     let applies = format!("applies to images, and {name} is a {}", input.kind_name());

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 #[command(after_help = "\
 The page is self-contained and opens without a network. It shows what the shape consists of, its bands, smoothed shapes, the
 saliency map, the features, the five presets, and the time of each part. Every table can be saved as CSV. A graph gets tables and
-charts, and its default signal is the degree. Vertices where the signal is NaN are masked.
+charts, and its default signal is the degree. Vertices where the signal is NaN are masked. An image is drawn flat, a volume by its
+three middle slices.
 
 Examples:
   adwave report bunny.obj -o bunny.html
@@ -17,6 +18,7 @@ Examples:
   adwave report brain.ply -o thickness.html --signal thickness --levels 8
   adwave report pial.gii.gz -o folds.html --signal sulc.gii.gz --view left
   adwave report network.mtx -o network.html --signal degree
+  adwave report volume.nii.gz -o volume.html --fwhm 4,8,16
   adwave report sample:creature -o creature.html --json | jq .bands")]
 pub(crate) struct ReportArgs {
     #[command(flatten)]

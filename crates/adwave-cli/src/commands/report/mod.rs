@@ -3,9 +3,10 @@
 mod args;
 
 use super::analysis::{Analysis, AnalysisArgs};
+use super::flat_grid::{FlatGrid, subject_grid};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::health::{health_json, kind_name};
+use crate::output::health::health_json;
 use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
 use crate::output::{
@@ -16,7 +17,8 @@ use crate::resolve::shape::load_shape;
 use crate::resolve::signal::{default_signal, field_names, file_normals};
 use crate::resolve::up::UpAxis;
 use crate::resolve::walk::with_given_walk;
-use adwave::bands::Bands;
+use adwave::bands::{Bands, FWHM};
+use adwave_render::Up;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
@@ -30,7 +32,11 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     let signal = args.signal.with_default(default_signal(&input.file));
     let field = signal.name_on(&input.file).to_owned();
-    let up = UpAxis::choose(args.up, &input);
+    if input.file.grid().is_some() {
+        let applies = format!("applies to shapes, and {} is drawn flat", input.name);
+        global.given.refuse(&["--view", "--up"], &applies)?;
+    }
+    let up = input.file.grid().is_none().then(|| UpAxis::choose(args.up, &input));
     let (levels, extent) = (&args.levels, None);
     let what = AnalysisArgs {
         shape: &args.shape,
@@ -41,15 +47,18 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
         walk: Some(&args.walk),
     };
     let mut analysis = Analysis::from_input(input, watch.lap(), what, global)?;
+    analysis.mask_outsiders()?;
     let bands = analysis.bands(global)?;
-    let viewpoint = Viewpoint { view: Some(args.view), up: up.up };
+    let viewpoint = Viewpoint { view: Some(args.view), up: up.map_or_else(Up::default, |up| up.up) };
     let report = report(viewpoint, global, &analysis, &bands, &field)?;
     let html = report.page.html();
     write_file(global, &args.output, html.as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
-    let text = analysis.headline() + &up.line() + &summary(&report, html.len(), seconds, &args.output);
+    let text = analysis.headline()
+        + &up.map_or_else(String::new, UpAxis::line)
+        + &summary(&report, html.len(), seconds, &args.output);
     let mut json = describe(args, &analysis, &field, &report, html.len(), seconds);
-    json["up"] = up.to_json();
+    json["up"] = up.map_or(Value::Null, UpAxis::to_json);
     print(global, &text, &json)
 }
 
@@ -73,11 +82,13 @@ fn report(
     let format = input.file.format();
     let seconds = &analysis.seconds;
     let normals = file_normals(&input.file);
+    let sheet = FlatGrid::of_input(input, global)?;
     let subject = Subject {
         name: file_name(&input.name),
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
         fields: &field_names(&input.file),
         shape: &input.shape,
+        grid: subject_grid(input, sheet.as_ref()),
         decomposer: &analysis.decomposer,
         signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
         values: &analysis.signal.values,
@@ -134,15 +145,16 @@ fn describe(
         report.seconds.iter().map(|(what, seconds)| (what.clone(), json!(seconds))).collect();
     json!({
         "shape": analysis.input.name,
-        "kind": kind_name(&analysis.input.shape),
+        "kind": analysis.input.kind_name(),
         "output": args.output.display().to_string(),
         "bytes": bytes,
         "pictures": report.n_pictures,
         "field": field,
         "levels_reason": analysis.levels_reason,
-        "health": health_json(&report.health),
+        "health": report.health.as_ref().map(health_json),
         "bands": report.bands.iter().map(|b| json!({
             "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma, "percent": analysis.percent(b.sigma),
+            "fwhm": analysis.percent(b.sigma).map(|_| FWHM * b.sigma),
             "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
             "detail_share": b.detail_share, "greatest_loss": b.greatest_loss, "rms_loss": b.rms_loss,
         })).collect::<Vec<_>>(),

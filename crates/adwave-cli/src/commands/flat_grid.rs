@@ -3,17 +3,21 @@
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{count, note};
-use adwave_io::GridLayout;
+use crate::resolve::shape::Input;
+use adwave_io::{GridLayout, LengthUnit};
 use adwave_render::Ball;
+use adwave_report::shape_report::{Sheet, SubjectGrid};
 
 /// Most places that are drawn along an axis: beyond it a picture has several places in each of its pixels.
-const MOST_PLACES: usize = 2048;
+pub(crate) const MOST_PLACES: usize = 2048;
+/// The same for the smaller pictures of a page.
+const MOST_PLACES_OF_PAGE: usize = 700;
 /// Gap between the slices of a volume, as a share of its longest axis.
 const GAP: f64 = 0.05;
 
 /// An image, or the three middle slices of a volume side by side, as a mesh in the plane z = 0: columns run to the
 /// right, rows down, in the units of the grid.
-pub(super) struct FlatGrid {
+pub(crate) struct FlatGrid {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     /// Place of the grid at each point.
@@ -33,7 +37,12 @@ struct Slice<'a> {
 
 impl FlatGrid {
     /// The sheet of a grid of two or three axes.
-    pub(super) fn new(layout: &GridLayout, name: &str, global: &Global<'_>) -> Result<Self, CliError> {
+    pub(crate) fn new(
+        layout: &GridLayout,
+        name: &str,
+        most_places: usize,
+        global: &Global<'_>,
+    ) -> Result<Self, CliError> {
         let (sizes, spacings) = (&layout.sizes, &layout.spacings);
         if sizes.len() < 2 {
             return Err(CliError::Input(format!(
@@ -41,9 +50,9 @@ impl FlatGrid {
                  for a chart"
             )));
         }
-        let step = sizes.iter().max().map_or(1, |size| size.div_ceil(MOST_PLACES));
+        let step = sizes.iter().max().map_or(1, |size| size.div_ceil(most_places));
         if step > 1 {
-            let most = count(MOST_PLACES, "place", "places");
+            let most = count(most_places, "place", "places");
             note(global, &format!("{name} has more than {most} along an axis: one of {step} is drawn"));
         }
         let mut sheet = Self { points: Vec::new(), triangles: Vec::new(), places: Vec::new() };
@@ -68,8 +77,7 @@ impl FlatGrid {
         let Slice { layout, axes, first, left } = *slice;
         let (sizes, spacings) = (&layout.sizes, &layout.spacings);
         let [n_down, n_right] = axes.map(|axis| sizes[axis].div_ceil(step));
-        // Axes of space point up, rows of an image down.
-        let is_up = layout.axis_names[axes[0]] != "row";
+        let is_up = points_up(layout, axes[0]);
         let base = self.points.len() as u32;
         for i in 0..n_down {
             for j in 0..n_right {
@@ -90,21 +98,27 @@ impl FlatGrid {
         }
     }
 
-    pub(super) fn points(&self) -> &[[f64; 3]] {
+    pub(crate) fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
 
-    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
     /// Values of the places at the points that are drawn.
-    pub(super) fn spread<T: Copy>(&self, values: &[T]) -> Vec<T> {
+    pub(crate) fn spread<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.places.iter().map(|&place| values[place as usize]).collect()
     }
 
+    /// The sheet of an image or a volume for a report; `None` for a sequence or a shape.
+    pub(crate) fn of_input(input: &Input, global: &Global<'_>) -> Result<Option<Self>, CliError> {
+        let layout = input.file.grid().filter(|layout| layout.sizes.len() > 1);
+        layout.map(|layout| Self::new(layout, &input.name, MOST_PLACES_OF_PAGE, global)).transpose()
+    }
+
     /// Lifts the points by `factor` times the values of their places, and drops triangles at places without a value.
-    pub(super) fn raise(&mut self, values: &[f64], factor: f64) {
+    pub(crate) fn raise(&mut self, values: &[f64], factor: f64) {
         for (point, &place) in self.points.iter_mut().zip(&self.places) {
             point[2] = factor * values[place as usize];
         }
@@ -116,8 +130,35 @@ impl FlatGrid {
     }
 }
 
+/// Axes of an image or a volume for a report, with its sheet; `None` for a shape.
+pub(crate) fn subject_grid<'a>(input: &'a Input, sheet: Option<&'a FlatGrid>) -> Option<SubjectGrid<'a>> {
+    let layout = input.file.grid()?;
+    let sheet = sheet.map(|sheet| Sheet {
+        points: &sheet.points,
+        triangles: &sheet.triangles,
+        places: &sheet.places,
+    });
+    let unit = match input.file.length_unit().map(LengthUnit::name) {
+        Some("millimeter") => "mm",
+        Some("meter") => "m",
+        Some("micron") => "µm",
+        Some(name) => name,
+        None => "units of the spacing",
+    };
+    let GridLayout { axis_names, sizes, spacings, .. } = layout;
+    Some(SubjectGrid {
+        kind: input.kind_name(),
+        words: input.row_words(),
+        axis_names,
+        sizes,
+        spacings,
+        unit,
+        sheet,
+    })
+}
+
 /// A ball at a position of the file, on the sheet of an image.
-pub(super) fn ball_on_sheet(layout: &GridLayout, ball: Ball) -> Ball {
+pub(crate) fn ball_on_sheet(layout: &GridLayout, ball: Ball) -> Ball {
     let along = |axis: usize| {
         let step = layout.steps[axis];
         let (mut dot, mut square) = (0.0, 0.0);
@@ -127,7 +168,13 @@ pub(super) fn ball_on_sheet(layout: &GridLayout, ball: Ball) -> Ball {
         }
         dot / square * layout.spacings[axis]
     };
-    Ball { center: [along(1), -along(0), 0.0], ..ball }
+    let y = if points_up(layout, 0) { along(0) } else { -along(0) };
+    Ball { center: [along(1), y, 0.0], ..ball }
+}
+
+/// True if a sheet shows the axis from the bottom to the top: axes of space point up, rows of an image down.
+fn points_up(layout: &GridLayout, axis: usize) -> bool {
+    layout.axis_names[axis] != "row"
 }
 
 /// Distance along an axis between places in the order of the values.
