@@ -196,7 +196,7 @@ fn row(report: &Value, quantity: &str) -> [Option<f64>; 2] {
 fn comparisons_state_the_numbers_of_their_files() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let is_out = |place: usize| place % 8 == 0;
+    let is_out = |place: usize| place.is_multiple_of(8);
     volume(&at("a.nii"), |place| if is_out(place) { f32::NAN } else { rough(place) });
     volume(&at("whole.nii"), rough);
     for (method, input) in [("gaussian", "a.nii"), ("starlet", "a.nii"), ("gaussian", "whole.nii")] {

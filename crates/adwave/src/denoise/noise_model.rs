@@ -87,19 +87,18 @@ impl Stabilizer {
     }
 
     /// Values whose noise has the standard deviation [`noise`](Self::noise): `2·√(f + 3a/8)` with a = noise² for
-    /// Poisson noise of variance a·f, ln f for multiplicative noise, and the stretched small values of [`Magnitudes`]. Impossible values, of masked vertices, become
-    /// 0.
+    /// Poisson noise of variance a·f, ln f for multiplicative noise, and [`Magnitudes`] stretched where they are small.
+    /// Impossible values, of masked vertices, become 0.
     pub(super) fn transformed(&self, data: &[f64]) -> Vec<f64> {
         let a = self.noise * self.noise;
         let of = |f: f64| match self.model {
             _ if !Self::is_possible(self.model, f) => 0.0,
-            NoiseModel::Gaussian => f,
-            NoiseModel::Poisson => 2.0 * (f + OFFSET * a).sqrt(),
-            NoiseModel::Multiplicative => f.ln(),
             NoiseModel::Rician if self.noise > 0.0 => {
                 self.noise * Magnitudes::get().transformed(f / self.noise)
             }
-            NoiseModel::Rician => f,
+            NoiseModel::Gaussian | NoiseModel::Rician => f,
+            NoiseModel::Poisson => 2.0 * (f + OFFSET * a).sqrt(),
+            NoiseModel::Multiplicative => f.ln(),
         };
         data.iter().map(|f| of(*f)).collect()
     }
@@ -110,7 +109,6 @@ impl Stabilizer {
     pub(super) fn restored(&self, value: f64, remaining: f64) -> f64 {
         let smooth = 1.0 - remaining.clamp(0.0, 1.0);
         match self.model {
-            NoiseModel::Gaussian => value,
             NoiseModel::Poisson if self.noise > 0.0 => {
                 let d = value / self.noise;
                 let inverse = 0.25 * d * d - OFFSET;
@@ -123,7 +121,7 @@ impl Stabilizer {
                 let (table, value) = (Magnitudes::get(), value / self.noise);
                 self.noise * (smooth * table.without_noise(value) + (1.0 - smooth) * table.inverse(value))
             }
-            NoiseModel::Rician => value,
+            NoiseModel::Gaussian | NoiseModel::Rician => value,
         }
     }
 }

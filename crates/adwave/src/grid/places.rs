@@ -117,7 +117,7 @@ impl Grid {
         };
         let own = parallel::map_items(self.n_places() * levels.len(), patches.n_places(), median);
         let around = Self { frame: patches.frame.clone(), ..patches }.largest_around(own);
-        Patches { sizes: self.axes.sizes.clone(), n_patches: sizes, deviations: around }
+        Patches { sizes: self.axes.sizes.clone(), counts: sizes, deviations: around }
     }
 
     /// The largest value of each place and of those beside it, diagonals included.
@@ -136,7 +136,7 @@ impl Grid {
 /// Noise of a grid by patches.
 pub(crate) struct Patches {
     sizes: Vec<usize>,
-    n_patches: Vec<usize>,
+    counts: Vec<usize>,
     deviations: Vec<f64>,
 }
 
@@ -144,7 +144,7 @@ impl Patches {
     /// Standard deviation at a place.
     pub(crate) fn at(&self, mut place: usize) -> f64 {
         let (mut patch, mut stride) = (0, 1);
-        for (n, n_patches) in self.sizes.iter().zip(&self.n_patches).rev() {
+        for (n, n_patches) in self.sizes.iter().zip(&self.counts).rev() {
             // The patch k begins at n·k/n_patches, rounded down.
             patch += ((place % n + 1) * n_patches - 1) / n * stride;
             place /= n;
@@ -181,7 +181,7 @@ mod tests {
             .map(|x| [-1.0, 1.0][x % 2] * if x / 100 >= 35 { 2.0 } else { 1.0 } * MEDIAN_OF_NORMAL)
             .collect();
         let noise = grid.noise(&[(&level, 0.5)]);
-        assert_eq!(noise.n_patches, [2, 3]);
+        assert_eq!(noise.counts, [2, 3]);
         // The patches of the first rows are beside those of the last.
         assert!((0..7000).all(|x| (noise.at(x) - 4.0).abs() < 1e-9));
         let tall = Grid::new(&[140, 10], &[1.0, 1.0]).unwrap();

@@ -55,7 +55,9 @@ impl AppendedWriter<'_> {
     ) -> Result<(), WriteError> {
         let offset = self.bytes.len();
         let encoded = ENCODING.encode(plain, self.progress)?.unwrap_or_default();
-        encoded.iter().for_each(|part| self.bytes.extend_from_slice(part));
+        for part in encoded {
+            self.bytes.extend_from_slice(&part);
+        }
         let (kind, name) = (type_name(kind), escape_xml(name));
         *xml += &format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \

@@ -43,8 +43,8 @@ impl ImageFrame {
     /// Position of the point that is so many steps from the first one.
     pub(super) fn position(&self, at: [usize; 3]) -> [f64; 3] {
         let mut position = self.origin;
-        for axis in 0..3 {
-            let n_steps = (self.first[axis] + at[axis] as i64) as f64;
+        for (axis, (first, at)) in self.first.iter().zip(at).enumerate() {
+            let n_steps = (first + at as i64) as f64;
             position.iter_mut().zip(self.step(axis)).for_each(|(x, d)| *x += n_steps * d);
         }
         position
@@ -227,8 +227,8 @@ pub(crate) fn frame_of(layout: &GridLayout) -> (ImageFrame, [usize; 3]) {
         ImageFrame { origin: layout.origin, spacings: [1.0; 3], directions: [[0.0; 3]; 3], first: [0; 3] };
     let mut dims = [1; 3];
     let mut is_free = [true; 3];
-    for axis in 0..n {
-        let slot = own[axis].filter(|_| keeps_order).unwrap_or(n - 1 - axis);
+    for (axis, slot) in own.into_iter().enumerate() {
+        let slot = slot.filter(|_| keeps_order).unwrap_or(n - 1 - axis);
         let length = layout.steps[axis].iter().map(|x| x * x).sum::<f64>().sqrt();
         dims[slot] = layout.sizes[axis];
         frame.spacings[slot] = layout.spacings[axis];
