@@ -292,7 +292,7 @@ fn magnitudes_lose_the_bias_of_their_noise() {
             bias(&noisy)
         );
         println!("{text}");
-        assert!((found.info[0].noise / deviation - 1.0).abs() < 0.06, "{text}");
+        assert!((found.info[0].noise / deviation - 1.0).abs() < 0.08, "{text}");
         assert!(error(&found.values) < 0.6 * error(&plain.values), "{text}");
         assert!(bias(&found.values) < 0.35 && bias(&plain.values) > 1.0, "{text}");
     }
