@@ -25,14 +25,14 @@ pub struct GridPlaces<'a> {
 
 /// Continuation of a line of values beyond its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Border {
+enum GridBorder {
     /// `c b a | a b c | c b a`, the mode `reflect` of SciPy.
     Reflect,
     /// `c b | a b c | b a`: the end itself is not repeated.
     Mirror,
 }
 
-impl Border {
+impl GridBorder {
     /// Number of places after which a line of `n` values repeats.
     fn period(self, n: usize) -> usize {
         match self {
@@ -54,7 +54,7 @@ impl Border {
 /// Symmetric weights at offsets within the period of a line.
 struct Kernel {
     taps: Vec<(usize, f64)>,
-    border: Border,
+    border: GridBorder,
     /// Variance in squared places.
     variance: f64,
 }
@@ -66,7 +66,7 @@ impl Kernel {
         if radius.is_nan() || radius > MOST_WEIGHTS {
             return None;
         }
-        let (radius, period) = (radius as usize, Border::Reflect.period(n));
+        let (radius, period) = (radius as usize, GridBorder::Reflect.period(n));
         let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
         let sum = 1.0 + 2.0 * (1..=radius).map(weight).sum::<f64>();
         let both =
@@ -81,16 +81,16 @@ impl Kernel {
             taps = folded.into_iter().enumerate().collect();
         }
         let variance = 2.0 * (1..=radius).map(|k| weight(k) / sum * (k as f64).powi(2)).sum::<f64>();
-        Some(Self { taps, border: Border::Reflect, variance })
+        Some(Self { taps, border: GridBorder::Reflect, variance })
     }
 
     /// Weights of the B3 spline, `2^(level − 1)` places apart.
     fn spline(level: usize, n: usize) -> Self {
-        let period = Border::Mirror.period(n);
+        let period = GridBorder::Mirror.period(n);
         let step = (1..level).fold(1 % period, |step, _| 2 * step % period);
         let offsets = [2 * (period - step), period - step, 0, step, 2 * step];
         let taps = offsets.into_iter().zip(B3).map(|(offset, weight)| (offset % period, weight)).collect();
-        Self { taps, border: Border::Mirror, variance: 4.0_f64.powi(level as i32 - 1) }
+        Self { taps, border: GridBorder::Mirror, variance: 4.0_f64.powi(level as i32 - 1) }
     }
 
     /// Convolves lines of `n` values, `stride` apart.

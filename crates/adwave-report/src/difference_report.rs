@@ -43,7 +43,7 @@ pub fn difference_report(
     viewpoint: Viewpoint,
     progress: Progress<'_>,
 ) -> Result<DifferenceReport, Cancelled> {
-    let mut studio = Studio::for_subject(subject, viewpoint, progress)?;
+    let mut studio = Studio::new_for_subject(subject, viewpoint, progress)?;
     let mut other = Studio::new(versions.shape, viewpoint, progress)?;
     let mut section = Section::new("difference", "Difference");
     versions.how.iter().for_each(|text| section.say(text.clone()));
@@ -66,7 +66,7 @@ pub fn difference_report(
         let drawn = if let Some([first, second]) = versions.values {
             let both = Subject { values: first, signal: "values", ..*subject };
             let shown = |name: &str, values| {
-                PictureSpec::of_signal(&both, values, name.to_owned(), format!("{name}."))
+                PictureSpec::signal_picture(&both, values, name.to_owned(), format!("{name}."))
             };
             studio.draw(&[shown(subject.name, first), map, shown(versions.other, second)])
         } else {

@@ -62,14 +62,14 @@ impl Levels<'_> {
     }
 
     /// Values at places with data.
-    fn known<'v>(&'v self, values: &'v [f64]) -> impl Iterator<Item = f64> + 'v {
+    fn values_with_data<'v>(&'v self, values: &'v [f64]) -> impl Iterator<Item = f64> + 'v {
         let rows = values.chunks_exact(self.input.n_channels).enumerate();
         let has_data = |x: usize| self.places.kept.is_none_or(|kept| kept[x]);
         rows.filter(move |(x, _)| has_data(*x)).flat_map(|(_, row)| row).copied().filter(|v| v.is_finite())
     }
 
     fn mean(&self, values: &[f64]) -> f64 {
-        self.known(values).sum::<f64>() / self.known(values).count() as f64
+        self.values_with_data(values).sum::<f64>() / self.values_with_data(values).count() as f64
     }
 
     fn rms(&self, values: &[f64]) -> f64 {
@@ -79,7 +79,7 @@ impl Levels<'_> {
 
     /// Depth of the smallest value of S_j below the smallest value of the signal.
     fn undershoot(&self, level: usize) -> f64 {
-        let smallest = |values| self.known(values).fold(f64::INFINITY, f64::min);
+        let smallest = |values| self.values_with_data(values).fold(f64::INFINITY, f64::min);
         (smallest(self.input.signal) - smallest(self.scaling(level))).max(0.0)
     }
 

@@ -75,18 +75,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     make_folder(&args.output)?;
     let method = args.method.name();
     let input = load_shape(&args.shape, global)?;
-    if input.file.grid().is_some() != args.method.takes_grids() {
-        let (takes, others) = if args.method.takes_grids() {
-            ("images and volumes", "mht and the other methods take shapes")
-        } else {
-            ("shapes", "gaussian and starlet take images and volumes")
-        };
-        let (name, kind) = (&input.name, input.kind_name());
-        return Err(CliError::Input(format!(
-            "--with {method} takes {takes}, and {name} is {} {kind}; {others}",
-            article(kind)
-        )));
-    }
+    check_kind(&input, args.method)?;
     let field = match (args.method, args.signal.name_on(&input.file)) {
         (Method::FeatureMap, COORDS) => CURVATURE,
         (_, name) => name,
@@ -154,6 +143,23 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();
     print(global, &text, &json)
+}
+
+/// Refuses a method of shapes for an image or a volume, and the other way round.
+fn check_kind(input: &Input, method: Method) -> Result<(), CliError> {
+    if input.file.grid().is_some() == method.takes_grids() {
+        return Ok(());
+    }
+    let (takes, others) = if method.takes_grids() {
+        ("images and volumes", "mht and the other methods take shapes")
+    } else {
+        ("shapes", "gaussian and starlet take images and volumes")
+    };
+    let (name, kind, method) = (&input.name, input.kind_name(), method.name());
+    Err(CliError::Input(format!(
+        "--with {method} takes {takes}, and {name} is {} {kind}; {others}",
+        article(kind)
+    )))
 }
 
 /// Flags of the places of an image or a volume that take part and have a value; `None` if all do.

@@ -6,7 +6,7 @@ use crate::output::{count, note};
 use crate::resolve::shape::Input;
 use adwave_io::{GridLayout, LengthUnit};
 use adwave_render::Ball;
-use adwave_report::shape_report::{Sheet, SubjectGrid};
+use adwave_report::shape_report::{FlatMesh, SubjectGrid};
 
 /// Most places that are drawn along an axis: beyond it a picture has several places in each of its pixels.
 pub(crate) const MOST_PLACES: usize = 2048;
@@ -112,7 +112,7 @@ impl FlatGrid {
     }
 
     /// The sheet of an image or a volume for a report; `None` for a sequence or a shape.
-    pub(crate) fn of_input(input: &Input, global: &Global<'_>) -> Result<Option<Self>, CliError> {
+    pub(crate) fn new_for_page(input: &Input, global: &Global<'_>) -> Result<Option<Self>, CliError> {
         let layout = input.file.grid().filter(|layout| layout.sizes.len() > 1);
         layout.map(|layout| Self::new(layout, &input.name, MOST_PLACES_OF_PAGE, global)).transpose()
     }
@@ -133,7 +133,7 @@ impl FlatGrid {
 /// Axes of an image or a volume for a report, with its sheet; `None` for a shape.
 pub(crate) fn subject_grid<'a>(input: &'a Input, sheet: Option<&'a FlatGrid>) -> Option<SubjectGrid<'a>> {
     let layout = input.file.grid()?;
-    let sheet = sheet.map(|sheet| Sheet {
+    let sheet = sheet.map(|sheet| FlatMesh {
         points: &sheet.points,
         triangles: &sheet.triangles,
         places: &sheet.places,

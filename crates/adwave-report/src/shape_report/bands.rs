@@ -349,7 +349,7 @@ fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure
             let caption =
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
             let values = &scaling[(j * subject.values.len())..][..subject.values.len()];
-            PictureSpec::of_signal(
+            PictureSpec::signal_picture(
                 subject,
                 values,
                 format!("{} smoothed to level {j}", subject.signal),

@@ -64,7 +64,12 @@ impl<'a> PictureSpec<'a> {
 
     /// Describes a picture of values of the subject's signal: as positions of the vertices, or as colors in the range of
     /// the signal.
-    pub(crate) fn of_signal(subject: &Subject<'_>, values: &[f64], alt: String, caption: String) -> Self {
+    pub(crate) fn signal_picture(
+        subject: &Subject<'_>,
+        values: &[f64],
+        alt: String,
+        caption: String,
+    ) -> Self {
         let spec = Self::plain(alt, caption);
         if subject.is_geometry() {
             return spec.with_positions(values.as_chunks().0.to_vec());
@@ -210,7 +215,7 @@ impl<'a> Studio<'a> {
     }
 
     /// The studio of a shape, or of the sheet of an image or a volume, which is seen from the front.
-    pub(crate) fn for_subject(
+    pub(crate) fn new_for_subject(
         subject: &Subject<'a>,
         viewpoint: Viewpoint,
         progress: Progress<'a>,

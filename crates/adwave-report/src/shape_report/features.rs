@@ -187,7 +187,7 @@ fn pictures(
     let alt = format!("Features of {}", subject.name);
     let caption = "A ball for each feature, of radius σ_j, colored by level.";
     let front = if subject.grid.is_some() {
-        PictureSpec::of_signal(subject, subject.values, alt, caption.to_owned())
+        PictureSpec::signal_picture(subject, subject.values, alt, caption.to_owned())
     } else {
         PictureSpec::plain(alt, format!("{caption} Features on the far side are hidden."))
     };

@@ -21,12 +21,12 @@ pub struct SubjectGrid<'a> {
     /// Unit of lengths, in words.
     pub unit: &'a str,
     /// Mesh that is drawn; `None` for a sequence.
-    pub sheet: Option<Sheet<'a>>,
+    pub sheet: Option<FlatMesh<'a>>,
 }
 
 /// Flat mesh that shows an image, or slices of a volume, in the plane z = 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Sheet<'a> {
+pub struct FlatMesh<'a> {
     /// Positions of the points.
     pub points: &'a [[f64; 3]],
     /// Triangles between the points.
@@ -139,7 +139,7 @@ pub(super) fn scene(
         (_, None) => "The values.".to_owned(),
         (_, Some(_)) => "The values; gray where there are none.".to_owned(),
     };
-    section.gallery(studio.draw(&[super::drawing::PictureSpec::of_signal(
+    section.gallery(studio.draw(&[super::drawing::PictureSpec::signal_picture(
         subject,
         subject.values,
         format!("{} of {}", subject.signal, subject.name),

@@ -16,7 +16,7 @@ mod timings;
 pub(crate) use bands::section as band_section;
 pub use bands::{BandSummary, band_summaries};
 pub use features::FeatureSummary;
-pub use grid::{Sheet, SubjectGrid, grid_index};
+pub use grid::{FlatMesh, SubjectGrid, grid_index};
 pub use presets::PresetSummary;
 pub use saliency::SaliencySummary;
 
@@ -206,7 +206,7 @@ pub fn shape_report(
     let mut seconds: Vec<(String, f64)> =
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
-    let mut studio = Studio::for_subject(subject, viewpoint, progress)?;
+    let mut studio = Studio::new_for_subject(subject, viewpoint, progress)?;
     let (health_section, health, shape_section) = if let Some(axes) = &subject.grid {
         (grid::section(subject, axes), None, grid::scene(subject, axes, &mut studio))
     } else {

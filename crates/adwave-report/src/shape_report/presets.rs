@@ -118,7 +118,7 @@ fn pictures(
     studio: &mut Studio<'_>,
     edited: &[PresetResult],
 ) -> Result<Vec<Figure>, String> {
-    let mut specs = vec![PictureSpec::of_signal(
+    let mut specs = vec![PictureSpec::signal_picture(
         subject,
         subject.values,
         format!("The original, {}", subject.name),
@@ -131,7 +131,7 @@ fn pictures(
             ("suppress-paper", Some(_)) => "removes every band: the rest S_J alone",
             _ => describe_preset(name),
         };
-        specs.push(PictureSpec::of_signal(
+        specs.push(PictureSpec::signal_picture(
             subject,
             values,
             format!("{} after {name}", subject.name),

@@ -10,7 +10,7 @@ use super::response::ResponseLevel;
 use super::surface::without_side_lobes;
 use super::{Feature, FeatureError, FeatureParams, Refinement};
 use crate::bands::Wavelets;
-use crate::grid::{Grid, MAX_AXES, Patches};
+use crate::grid::{Grid, MAX_AXES, NoisePatches};
 use crate::shape::Adjacency;
 use crate::{Decomposer, Progress, parallel};
 
@@ -71,7 +71,7 @@ pub(super) fn grid_features(
     let ring = decomposer.ring(progress)?;
     let border_sigmas = params.border_sigmas.unwrap_or(BORDER);
     let from_border = decomposer.distance_from_border(border_sigmas * wavelets.sigma[n_levels], progress)?;
-    let search = Search {
+    let search = SpotSearch {
         grid,
         ring: &ring,
         noise: grid.noise(&measured),
@@ -81,7 +81,7 @@ pub(super) fn grid_features(
     let mut found = Vec::new();
     for j in 2..n_levels {
         progress.step(j as u64 - 2, n_levels as u64 - 2)?;
-        let level = Level {
+        let level = ThreeLevels {
             levels: [&levels[j - 2], &levels[j - 1], &levels[j]],
             sigma: [wavelets.sigma[j - 1], wavelets.sigma[j], wavelets.sigma[j + 1]],
             of_noise: of_noise[j - 1],
@@ -121,7 +121,7 @@ fn deviation_of_noise(grid: &Grid, sigma: &[f64]) -> f64 {
 }
 
 /// A level with those beside it.
-struct Level<'a> {
+struct ThreeLevels<'a> {
     /// Responses of the level before, of this one and of the next.
     levels: [&'a [f64]; 3],
     /// Widths of these levels in model units.
@@ -132,18 +132,18 @@ struct Level<'a> {
     around: Vec<[isize; MAX_AXES]>,
 }
 
-struct Search<'a> {
+struct SpotSearch<'a> {
     grid: &'a Grid,
     ring: &'a Adjacency,
-    noise: Patches,
+    noise: NoisePatches,
     /// Error of the bands, in units of the response.
     least: f64,
     params: &'a FeatureParams,
 }
 
-impl Search<'_> {
+impl SpotSearch<'_> {
     /// The feature at a place, if it is significant.
-    fn candidate(&self, x: usize, level: &Level<'_>, decomposer: &Decomposer) -> Option<Feature> {
+    fn candidate(&self, x: usize, level: &ThreeLevels<'_>, decomposer: &Decomposer) -> Option<Feature> {
         let [finer, here, coarser] = level.levels;
         let response = here[x];
         let deviation = self.deviation(x, level);
@@ -204,8 +204,8 @@ impl Search<'_> {
     /// Standard deviation of the response at a place due to noise, to rounded values and to the error of the bands. Noise
     /// of half a step spreads the error of rounding evenly over all widths; without it, that error is the same at
     /// neighbors.
-    fn deviation(&self, x: usize, level: &Level<'_>) -> f64 {
-        let noise = self.noise.at(x);
+    fn deviation(&self, x: usize, level: &ThreeLevels<'_>) -> f64 {
+        let noise = self.noise.deviation_at(x);
         let step = self.params.value_step.unwrap_or(0.0);
         let rounded = if noise < 0.5 * step { ROUNDED * step } else { 0.0 };
         (noise * level.of_noise).max(rounded).max(self.least)

@@ -89,7 +89,7 @@ impl Grid {
 
     /// Standard deviation of independent noise in each patch, by the `levels` of a signal and the standard deviations
     /// that noise of variance 1 has on them: the largest of the medians of the levels, and of the patches around.
-    pub(crate) fn noise(&self, levels: &[(&[f64], f64)]) -> Patches {
+    pub(crate) fn noise(&self, levels: &[(&[f64], f64)]) -> NoisePatches {
         let edge = PATCH[self.n_long_axes().clamp(1, MAX_AXES) - 1];
         let sizes: Vec<usize> = self.axes.sizes.iter().map(|n| (n / edge).max(1)).collect();
         let patches = Self::new(&sizes, &vec![1.0; sizes.len()]).expect("one spacing for each size");
@@ -117,7 +117,7 @@ impl Grid {
         };
         let own = parallel::map_items(self.n_places() * levels.len(), patches.n_places(), median);
         let around = Self { frame: patches.frame.clone(), ..patches }.largest_around(own);
-        Patches { sizes: self.axes.sizes.clone(), counts: sizes, deviations: around }
+        NoisePatches { sizes: self.axes.sizes.clone(), counts: sizes, deviations: around }
     }
 
     /// The largest value of each place and of those beside it, diagonals included.
@@ -134,15 +134,15 @@ impl Grid {
 }
 
 /// Noise of a grid by patches.
-pub(crate) struct Patches {
+pub(crate) struct NoisePatches {
     sizes: Vec<usize>,
     counts: Vec<usize>,
     deviations: Vec<f64>,
 }
 
-impl Patches {
+impl NoisePatches {
     /// Standard deviation at a place.
-    pub(crate) fn at(&self, mut place: usize) -> f64 {
+    pub(crate) fn deviation_at(&self, mut place: usize) -> f64 {
         let (mut patch, mut stride) = (0, 1);
         for (n, n_patches) in self.sizes.iter().zip(&self.counts).rev() {
             // The patch k begins at n·k/n_patches, rounded down.
@@ -183,11 +183,11 @@ mod tests {
         let noise = grid.noise(&[(&level, 0.5)]);
         assert_eq!(noise.counts, [2, 3]);
         // The patches of the first rows are beside those of the last.
-        assert!((0..7000).all(|x| (noise.at(x) - 4.0).abs() < 1e-9));
+        assert!((0..7000).all(|x| (noise.deviation_at(x) - 4.0).abs() < 1e-9));
         let tall = Grid::new(&[140, 10], &[1.0, 1.0]).unwrap();
         let level: Vec<f64> = (0..1400).map(|x| if x < 350 { 3.0 } else { 1.0 }).collect();
         let noise = tall.noise(&[(&level, MEDIAN_OF_NORMAL.recip())]);
-        let found: Vec<f64> = [0, 690, 700, 1399].map(|x| noise.at(x).round()).to_vec();
+        let found: Vec<f64> = [0, 690, 700, 1399].map(|x| noise.deviation_at(x).round()).to_vec();
         assert_eq!(found, [3.0, 3.0, 1.0, 1.0]);
     }
 

@@ -132,7 +132,9 @@ fn the_order_of_the_axes_changes_no_feature() {
     let turned: Vec<f64> = (0..upright.len()).map(|i| upright[(i % 90) * 120 + i / 90]).collect();
     let mut first = found(&even(&sizes), &upright);
     let mut second = found(&even(&[120, 90]), &turned);
-    second.iter_mut().for_each(|f| f.position = f.position.map(|[x, y, z]| [y, x, z]));
+    for feature in &mut second {
+        feature.position = feature.position.map(|[x, y, z]| [y, x, z]);
+    }
     for list in [&mut first, &mut second] {
         list.sort_by(|a, b| a.position.partial_cmp(&b.position).unwrap());
     }

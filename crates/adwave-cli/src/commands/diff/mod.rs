@@ -93,7 +93,7 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
             decomposer.request(&signal.values, signal.n_channels, &levels.schedule);
         request.params(&params).progress(progress).bands()
     })?;
-    let sheet = if is_page { FlatGrid::of_input(&first, global)? } else { None };
+    let sheet = if is_page { FlatGrid::new_for_page(&first, global)? } else { None };
     let comparison = VersionComparison {
         args,
         both,

@@ -82,7 +82,7 @@ fn report(
     let format = input.file.format();
     let seconds = &analysis.seconds;
     let normals = file_normals(&input.file);
-    let sheet = FlatGrid::of_input(input, global)?;
+    let sheet = FlatGrid::new_for_page(input, global)?;
     let subject = Subject {
         name: file_name(&input.name),
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
