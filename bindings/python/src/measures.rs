@@ -12,6 +12,7 @@ use adwave::features::{
     Feature, FeatureParams, Refinement, Response, ShapeCoordinates, ThresholdScope, coordinate_features,
     describe, features, value_step,
 };
+use adwave::grid::Grid;
 use adwave::measure::{agreement, center_distance};
 use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
 use adwave::shape::PreparedGeometry;
@@ -168,7 +169,7 @@ fn find_features<'py>(
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
-    let of_values = decomposer.domain().grid().map(|_| value_step(signal.values));
+    let of_values = Grid::from_domain(&**decomposer.domain()).map(|_| value_step(signal.values));
     let params = params.with_value_step(of_values);
     let is_significant =
         of_values.is_none() && request.signal.is_none() && params.finds_significant(decomposer);

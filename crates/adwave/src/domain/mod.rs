@@ -11,10 +11,10 @@ mod walk;
 pub use shape::ShapeDomain;
 pub use walk::WalkDomain;
 
-use crate::grid::Grid;
 use crate::local_fit::LocalFit;
 use crate::shape::{Adjacency, PreparedGeometry, VertexMap, squared_distance};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
+use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Debug;
 use thiserror::Error;
@@ -58,7 +58,7 @@ use thiserror::Error;
 /// assert!((bands.coarsest()[0] - lambda).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub trait Domain: Debug + Send + Sync {
+pub trait Domain: Any + Debug + Send + Sync {
     /// Map from the places in the caller's order to the rows of the operator; the identity for a grid.
     fn vertex_map(&self) -> &VertexMap;
 
@@ -160,11 +160,6 @@ pub trait Domain: Debug + Send + Sync {
     /// Local fit that smoothing a field about `asked` has on this domain: a constant one if slopes cause no bias.
     fn local_fit(&self, asked: LocalFit) -> LocalFit {
         if self.positions().is_empty() { LocalFit::Constant } else { asked }
-    }
-
-    /// The grid of an image or a volume, on which noise is known on each level; `None` for another domain.
-    fn grid(&self) -> Option<&Grid> {
-        None
     }
 
     /// The prepared mesh, cloud or graph, for faces, normals and volumes, which only shapes have.

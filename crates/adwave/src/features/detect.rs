@@ -6,6 +6,7 @@ use super::refine::{TangentNeighborhood, edge_ratio, refined_position, refined_s
 use super::response::{ResponseLayer, layers};
 use super::{Feature, FeatureError, FeatureParams, Refinement, select_spread};
 use crate::bands::Wavelets;
+use crate::grid::Grid;
 use crate::population::Population;
 use crate::shape::Adjacency;
 use crate::{Cancelled, Decomposer, Progress, parallel};
@@ -69,7 +70,7 @@ pub fn features(
     if n_bands != n_vertices {
         return Err(FeatureError::OtherShape { n_bands, n_vertices });
     }
-    if let Some(grid) = decomposer.domain().grid()
+    if let Some(grid) = Grid::from_domain(&**decomposer.domain())
         && params.finds_significant(decomposer)
     {
         return grid_features(decomposer, grid, wavelets, params, progress);

@@ -1,6 +1,7 @@
 //! Parameters of feature detection.
 
 use super::FeatureError;
+use crate::grid::Grid;
 use crate::operator::OperatorKind;
 use crate::{Decomposer, named_values};
 
@@ -23,7 +24,7 @@ const MOST_EXTENT: f64 = 0.1;
 /// a mesh at least 17 mean edges, but for that no more than 0.1. On a grid it is 0.1, so that the widest spots that are
 /// found have a standard deviation of 4 % of the diagonal.
 pub fn feature_extent(decomposer: &Decomposer) -> f64 {
-    if decomposer.domain().grid().is_some() {
+    if Grid::from_domain(&**decomposer.domain()).is_some() {
         return MOST_EXTENT;
     }
     if !FeatureParams::default().finds_significant(decomposer)
@@ -136,7 +137,7 @@ impl FeatureParams {
     pub fn finds_significant(&self, decomposer: &Decomposer) -> bool {
         let is_default =
             (self.theta, self.response, self.scope) == (None, Response::default(), ThresholdScope::default());
-        if decomposer.domain().grid().is_some() {
+        if Grid::from_domain(&**decomposer.domain()).is_some() {
             return is_default;
         }
         let Some(geometry) = decomposer.geometry() else { return false };

@@ -30,6 +30,7 @@ pub(crate) use places::NoisePatches;
 use crate::domain::Domain;
 use crate::shape::{Adjacency, VertexMap, squared_distance};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
+use std::any::Any;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 use thiserror::Error;
@@ -218,6 +219,11 @@ impl Grid {
         Ok(self)
     }
 
+    /// The grid that a domain is; `None` if it is no grid.
+    pub fn from_domain(domain: &dyn Domain) -> Option<&Self> {
+        (domain as &dyn Any).downcast_ref()
+    }
+
     /// Sizes of the axes.
     pub fn sizes(&self) -> &[usize] {
         &self.axes.sizes
@@ -331,10 +337,6 @@ impl Domain for Grid {
     fn squared_length(&self, x: usize, y: usize) -> f64 {
         let (at, other) = (self.position_at(self.coordinates(x)), self.position_at(self.coordinates(y)));
         squared_distance(&at, &other)
-    }
-
-    fn grid(&self) -> Option<&Grid> {
-        Some(self)
     }
 
     fn may_fill_volume(&self) -> bool {
