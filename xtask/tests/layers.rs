@@ -65,7 +65,7 @@ fn the_method_knows_no_files_and_no_terminal() {
 /// Modules of `adwave` from the bottom up; modules of one line may not import each other. A module that moves to
 /// another layer moves here as well.
 const LAYERS: [&[&str]; 20] = [
-    &["error", "named", "pages"],
+    &["bessel", "error", "named", "pages"],
     &["progress", "vector"],
     &["parallel"],
     &["rows"],
