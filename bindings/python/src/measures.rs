@@ -304,6 +304,7 @@ fn denoise_points<'py>(
     if let Some(cloud) = &info.cloud {
         found.set_item("noise_range", cloud.noise_range)?;
         found.set_item("n_outliers", cloud.n_outliers)?;
+        found.set_item("strong_noise", cloud.strong.as_ref().map(|strong| strong.noise))?;
         found.set_item("n_left", cloud.n_left)?;
         found.set_item("rounding", cloud.rounding)?;
         found.set_item("nearest_distance", cloud.nearest_distance)?;

@@ -547,7 +547,8 @@ class DenoiseResult(NamedTuple):
         ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
         ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
         ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
-        that come first). For a signal ``kept``, ``plain_weights``,
+        that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the distance
+        of the points and hides among the nearest ones, or None). For a signal ``kept``, ``plain_weights``,
         ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
 
     Examples

@@ -86,6 +86,9 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
 /// it is not reported either, because it would hardly show.
 const LEAST_SHARED: f64 = 0.02;
 
+/// Noise of a cloud, in mean distances of neighbors, that is the rounding of coordinates.
+const NO_NOISE: f64 = 1e-9;
+
 /// Adds lines on the kinds of noise of a mesh other than noise along the normals.
 fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
     if mesh.impulse_share > 0.0 {
@@ -125,14 +128,27 @@ fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
 /// Adds lines on the noise of a cloud by place, and on the points that did not move.
 fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising) {
     let [low, high] = cloud.noise_range;
-    let _ = writeln!(
-        text,
-        "noise along the normals: {} model units, {} mean distances of neighbors; {} to {} by place (5 % to 95 %)",
-        number(info.noise),
-        number(info.noise_in_edges),
-        number(low),
-        number(high)
-    );
+    if info.noise_in_edges < NO_NOISE {
+        text.push_str("noise along the normals: none that could be told from rounding\n");
+    } else {
+        let _ = writeln!(
+            text,
+            "noise along the normals: {} model units, {} mean distances of neighbors; {} to {} by place (5 % to 95 %)",
+            number(info.noise),
+            number(info.noise_in_edges),
+            number(low),
+            number(high)
+        );
+    }
+    if let Some(strong) = &cloud.strong {
+        let _ = writeln!(
+            text,
+            "strong noise: it hides among the nearest points, so {} to {} neighbors were fitted; {} where these tell nothing",
+            strong.neighbors,
+            4 * strong.neighbors,
+            number(strong.at_least)
+        );
+    }
     if cloud.rounding > 0.5 * info.noise && cloud.rounding > 0.0 {
         let _ = writeln!(text, "coordinates are rounded to steps of {}", number(cloud.rounding));
     }

@@ -283,6 +283,26 @@ fn denoised_and_filtered_fields_of_other_files_go_into_the_result() {
 }
 
 #[test]
+fn denoising_of_a_cloud_says_whether_its_noise_is_strong_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (noise, is_strong) in [(0.3, false), (2.0, true)] {
+        json(path, &format!("sample sphere --vertices 10000 --noise {noise} -o s.xyz"));
+        let report = json(path, "denoise s.xyz -o o.xyz");
+        assert_eq!(report["denoise"]["cloud"]["strong"].is_object(), is_strong, "{report}");
+        let said = adwave(path).args(common::words("denoise s.xyz -o o.xyz")).assert().success();
+        let said = String::from_utf8_lossy(&said.get_output().stdout).into_owned();
+        assert_eq!(said.contains("strong noise: it hides among the nearest points"), is_strong, "{said}");
+    }
+    // A plane of rounded positions.
+    let plane: Vec<String> = (0..900).map(|k| format!("{} {} 0.5", k % 30, k / 30)).collect();
+    fs::write(path.join("p.xyz"), plane.join("\n")).unwrap();
+    let said = adwave(path).args(common::words("denoise p.xyz -o o.xyz")).assert().success();
+    let said = String::from_utf8_lossy(&said.get_output().stdout).into_owned();
+    assert!(said.contains("none that could be told from rounding"), "{said}");
+}
+
+#[test]
 fn treatments_of_positions_are_refused_for_fields_and_of_meshes_for_clouds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
