@@ -302,9 +302,10 @@ def test_maps_and_noise_are_of_the_places_in_the_mask() -> None:
 
 def test_volumes_have_features() -> None:
     at = np.mgrid[:24, :24, :24]
-    volume = np.exp(-((at - np.array([8, 12, 15]).reshape(3, 1, 1, 1)) ** 2).sum(axis=0) / 8)
-    found = aw.grid(volume, (1.0, 1.0, 2.0)).features(best=1, levels=aw.Octaves(7))
-    assert found["position"].tolist() == [[8.0, 12.0, 30.0]]
+    spacing = np.array([1.0, 1.0, 2.0])
+    away = spacing.reshape(3, 1, 1, 1) * (at - np.array([8, 12, 15]).reshape(3, 1, 1, 1))
+    found = aw.grid(np.exp(-(away**2).sum(axis=0) / 8), spacing).features(levels=aw.Octaves(7))
+    assert found["position"].tolist() == [[8.0, 12.0, 30.0]] and abs(found["sigma"][0] - 2) < 0.2
 
 
 def test_number_types_are_kept_on_request() -> None:
