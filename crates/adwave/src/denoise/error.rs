@@ -41,7 +41,7 @@ pub enum DenoiseError {
     /// A value does not occur with noise of the given model, and its vertex is not masked.
     #[error(
         "{model} noise needs values {}, and vertex {vertex} has {value}; mask such vertices, or take the noise model gaussian",
-        if *model == NoiseModel::Poisson { "of at least 0" } else { "above 0" }
+        if *model == NoiseModel::Multiplicative { "above 0" } else { "of at least 0" }
     )]
     ImpossibleValue {
         /// The model of the noise.

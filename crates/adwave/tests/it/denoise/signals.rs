@@ -310,6 +310,8 @@ fn values_that_a_model_forbids_are_refused_unless_masked() {
     let error = by(&decomposer, &values, NoiseModel::Poisson).unwrap_err();
     assert!(matches!(error, DenoiseError::ImpossibleValue { vertex: 17, .. }), "{error}");
     assert!(error.to_string().contains("vertex 17 has -1"), "{error}");
+    let error = by(&decomposer, &values, NoiseModel::Rician).unwrap_err();
+    assert!(error.to_string().contains("of at least 0"), "{error}");
     let is_masked: Vec<bool> = values.iter().map(|v| *v <= 0.0).collect();
     let masked = decomposer.masked(&is_masked).unwrap();
     for model in [NoiseModel::Poisson, NoiseModel::Multiplicative] {
@@ -322,6 +324,7 @@ fn values_that_a_model_forbids_are_refused_unless_masked() {
     values[17] = 5.0;
     values[18] = 0.0;
     assert!(by(&decomposer, &values, NoiseModel::Poisson).is_ok());
+    assert!(by(&decomposer, &values, NoiseModel::Rician).is_ok());
     let error = by(&decomposer, &values, NoiseModel::Multiplicative).unwrap_err();
     assert!(error.to_string().contains("above 0"), "{error}");
     let constant = vec![7.5; points.len()];
