@@ -607,7 +607,8 @@ def denoise(
     noise : float or str or (str, float), optional
         Standard deviation of the noise along the normals in model units, or of the signal, if it is known. For a signal
         also the dependence of the noise on the values: ``'poisson'`` for counts, of which the variance is proportional to
-        the value, ``'multiplicative'`` if the standard deviation is proportional to it, and ``'gaussian'``, the default.
+        the value, ``'multiplicative'`` if the standard deviation is proportional to it, ``'rician'`` for magnitudes
+        of complex values, as in MRI, whose bias goes too, and ``'gaussian'``, the default.
         With a number, ``('poisson', 1.0)``, that is the standard deviation at a value of 1. For a mesh ``'shared'`` removes
         noise that neighbors share too, as scanners make it: as much as the mesh admits
         (``info["shared_noise_at_most"]``), detail of that size included, or with a number that standard deviation along the

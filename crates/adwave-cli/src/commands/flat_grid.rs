@@ -10,7 +10,7 @@ use adwave_report::shape_report::{FlatMesh, SubjectGrid};
 
 /// Most places that are drawn along an axis: beyond it a picture has several places in each of its pixels.
 pub(crate) const MOST_PLACES: usize = 2048;
-/// The same for the smaller pictures of a page.
+/// Most places that are drawn along an axis in the smaller pictures of a page.
 const MOST_PLACES_OF_PAGE: usize = 700;
 /// Gap between the slices of a volume, as a share of its longest axis.
 const GAP: f64 = 0.05;

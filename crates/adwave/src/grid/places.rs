@@ -1,5 +1,5 @@
-//! What tells detail from noise on a grid: the size of noise around each place, what heat leaves of it, and the places
-//! around another.
+//! Measures that tell detail from noise on a grid: the size of noise around each place, the share of it that heat leaves,
+//! and the places around another.
 
 use super::{Grid, MAX_AXES};
 use crate::bessel::scaled_i0;
