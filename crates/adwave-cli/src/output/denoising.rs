@@ -1,7 +1,7 @@
 //! Report of a denoised shape.
 
 use super::{count, number};
-use adwave::denoise::{CloudDenoising, DenoiseInfo, MeshDenoising, Outliers};
+use adwave::denoise::{CloudDenoising, DenoiseChoice, DenoiseInfo, MeshDenoising, Outliers};
 use adwave::local_fit::LocalFit;
 use std::fmt::Write;
 
@@ -138,6 +138,15 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
             number(info.noise_in_edges),
             number(low),
             number(high)
+        );
+    }
+    if cloud.neighbors > DenoiseChoice::NEIGHBORS {
+        let _ = writeln!(
+            text,
+            "points in lines: {} neighbors were drawn from up to {} nearest points there, so that they span several \
+             lines",
+            DenoiseChoice::NEIGHBORS,
+            cloud.neighbors
         );
     }
     if let Some(strong) = &cloud.strong {

@@ -75,7 +75,15 @@ pub(crate) fn choose_weights(
     if let SharedNoise::Deviation(shared) = &mut denoise.shared {
         *shared /= unit;
     }
-    Ok(DenoiseChoice::estimate(&geometry, &denoise, progress.quiet())?)
+    let choice = DenoiseChoice::estimate(&geometry, &denoise, progress.quiet())?;
+    let (needed, given) = (choice.neighbors(), params.neighbors);
+    if faces.is_none() && given < needed {
+        return Err(TilesError::Input(format!(
+            "the points lie in lines, so {needed} neighbors of each must be known to span several lines, and {given} \
+             are; use --neighbors {needed}"
+        )));
+    }
+    Ok(choice)
 }
 
 /// Denoises the blocks `interior` and passes their output to `write`, in order. Returns the sums of each block.

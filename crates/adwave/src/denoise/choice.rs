@@ -165,7 +165,13 @@ impl DenoiseChoice {
         self.denoise(&surface, &repaired, progress)
     }
 
-    /// Denoised points of a part of a cloud; `neighbors` hold at least the [`NEIGHBORS`](Self::NEIGHBORS) nearest of
+    /// Number of nearest neighbors of each point that [`denoise_cloud`](Self::denoise_cloud) needs:
+    /// [`NEIGHBORS`](Self::NEIGHBORS), or more if points lie in lines.
+    pub fn neighbors(&self) -> usize {
+        self.info.cloud.as_ref().map_or(0, |found| found.neighbors).max(Self::NEIGHBORS)
+    }
+
+    /// Denoised points of a part of a cloud; `neighbors` hold at least the [`neighbors`](Self::neighbors) nearest of
     /// each point. Points with fewer than [`CLOUD_REACH`](Self::CLOUD_REACH) rings around them differ from those of
     /// the whole.
     ///
@@ -181,7 +187,7 @@ impl DenoiseChoice {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
-        let near = cloud::NearestRows::new(points, neighbors, progress)?;
+        let near = cloud::NearestRows::new(points, neighbors, self.neighbors(), progress)?;
         let strong = self.info.cloud.as_ref().and_then(|found| found.strong.as_ref());
         let noise = cloud::CloudNoise::new(points, &near, self.params.noise, strong, progress)?;
         Ok(cloud::denoise_points(points, &near, &noise, self.info.noise, &self.params, progress)?.points)

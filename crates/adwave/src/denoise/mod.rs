@@ -190,8 +190,8 @@ fn denoise_cloud(
 ) -> Result<Denoised, DenoiseError> {
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
-    let near = geometry.nearest(&points, cloud::NEIGHBORS, progress)?;
-    let near = cloud::NearestRows::new(&points, &near.adjacency, progress)?;
+    let search = |k| geometry.nearest(&points, k, progress);
+    let (near, neighbors) = cloud::rows_across_lines(&points, search, progress)?;
     progress.step(1, STAGES)?;
     let given = params.noise.map(|s| s / unit);
     let strong = match given {
@@ -201,7 +201,7 @@ fn denoise_cloud(
     let noise = cloud::CloudNoise::new(&points, &near, given, strong.as_ref(), progress)?;
     progress.step(2, STAGES)?;
     let mut found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
-    found.info.strong = strong;
+    (found.info.strong, found.info.neighbors) = (strong, neighbors);
     progress.step(4, STAGES)?;
     let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
     let map = geometry.vertex_map();

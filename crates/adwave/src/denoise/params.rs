@@ -272,6 +272,9 @@ pub struct CloudDenoising {
     pub n_left: usize,
     /// Step to which the coordinates are rounded; 0 if none is found.
     pub rounding: f64,
+    /// Number of nearest points of each from which 48 neighbors are chosen: 48, or more if points lie in lines.
+    #[serde(default)]
+    pub neighbors: usize,
     /// Mean distance to the nearest neighbor, before and after.
     pub nearest_distance: [f64; 2],
     /// Noise larger than about half the distance of the points, if most places have it.

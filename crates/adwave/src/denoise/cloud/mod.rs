@@ -7,28 +7,27 @@
 //! `d² + 2σ²h − σ²` is an unbiased estimate of its squared error (`stein1981`). The mean of this estimate over the
 //! neighbors decides the share of each fit, and the share of leaving the point where it is.
 //!
-//! Noise larger than about half the distance of the points needs wider fits: see [`patches`].
+//! Noise larger than about half the distance of the points needs wider fits: see [`patches`]. Points in lines need
+//! neighbors from several of them: see [`rows`].
 
 mod fit;
 mod noise;
 mod patches;
+mod rows;
 
 use super::noise_level::median;
 use super::params::{CloudDenoising, Outliers, StrongNoise};
 use super::{Creases, DenoiseParams};
-use crate::shape::Adjacency;
 use crate::vector::{Vector, add_scaled, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use fit::{FitFrame, HeightFit, Heights, RobustReach};
 use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
 use patches::Patches;
 pub(in crate::denoise) use patches::strong_noise;
+pub(in crate::denoise) use rows::{NearestRows, rows_across_lines};
 
 /// Number of nearest neighbors that fits use.
 pub(super) const NEIGHBORS: usize = 48;
-
-/// Number of nearest neighbors whose mean distance is the unit of reported noise.
-const UNIT_NEIGHBORS: usize = 12;
 
 /// Number of neighbors of the smaller fits.
 const FEW_NEIGHBORS: usize = 24;
@@ -89,66 +88,6 @@ const NOTHING: f64 = 1e-100;
 
 /// Number of fits.
 const N_FITS: usize = 4;
-
-/// Neighbors of each point in the order of their distances.
-pub(super) struct NearestRows {
-    names: Vec<u32>,
-    starts: Vec<usize>,
-}
-
-impl NearestRows {
-    /// The [`NEIGHBORS`] nearest of the listed neighbors; at equal distances those with the smaller index.
-    pub(super) fn new(
-        points: &[Vector],
-        neighbors: &Adjacency,
-        progress: Progress<'_>,
-    ) -> Result<Self, Cancelled> {
-        let rows = parallel::try_collect(points.len(), progress, |x| {
-            let square = |y: u32| {
-                let d = subtract(&points[y as usize], &points[x]);
-                dot(&d, &d)
-            };
-            let mut row: Vec<(f64, u32)> =
-                neighbors.row(x).iter().filter(|&&y| y as usize != x).map(|&y| (square(y), y)).collect();
-            row.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            row.truncate(NEIGHBORS);
-            row.into_iter().map(|(_, y)| y).collect::<Vec<u32>>()
-        })?;
-        let mut starts = Vec::with_capacity(rows.len() + 1);
-        let mut names = Vec::with_capacity(rows.iter().map(Vec::len).sum());
-        for row in rows {
-            starts.push(names.len());
-            names.extend(row);
-        }
-        starts.push(names.len());
-        Ok(Self { names, starts })
-    }
-
-    /// A length in mean distances to the 12 nearest neighbors; 0 if all points coincide.
-    pub(super) fn in_mean_distances(
-        &self,
-        points: &[Vector],
-        length: f64,
-        progress: Progress<'_>,
-    ) -> Result<f64, Cancelled> {
-        let few = |x: usize| &self.row(x)[..self.row(x).len().min(UNIT_NEIGHBORS)];
-        let total = parallel::try_sum(points.len(), progress, |x| {
-            few(x).iter().map(|&y| distance(&points[x], &points[y as usize])).sum()
-        })?;
-        let n: usize = (0..points.len()).map(|x| few(x).len()).sum();
-        Ok(if total > 0.0 { length * n as f64 / total } else { 0.0 })
-    }
-
-    fn row(&self, x: usize) -> &[u32] {
-        &self.names[self.starts[x]..self.starts[x + 1]]
-    }
-
-    /// Distance to the `k`-th neighbor, or to the last one; 0 without neighbors.
-    fn radius(&self, points: &[Vector], x: usize, k: usize) -> f64 {
-        let row = self.row(x);
-        row.get(k.min(row.len()).wrapping_sub(1)).map_or(0.0, |&y| distance(&points[x], &points[y as usize]))
-    }
-}
 
 /// Noise of a cloud at each point, and the residuals from which it was estimated.
 pub(super) struct CloudNoise {
@@ -285,6 +224,7 @@ pub(super) fn denoise_points(
         rounding: rounding_step(points),
         outliers: params.outliers,
         strong: None,
+        neighbors: NEIGHBORS,
     };
     let kept = outcomes.iter().map(|o| o.2).sum::<f64>() / outcomes.len().max(1) as f64;
     Ok(CloudResult { points: moved, outliers, info, kept })

@@ -248,7 +248,7 @@ impl Sizes {
 }
 
 /// Bits that look random.
-fn scrambled(value: u64) -> u64 {
+pub(super) fn scrambled(value: u64) -> u64 {
     let bits = value.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let bits = (bits ^ (bits >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     bits ^ (bits >> 32)

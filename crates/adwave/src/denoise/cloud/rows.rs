@@ -1,0 +1,179 @@
+//! Neighbors of the points of a cloud that span a surface.
+//!
+//! Scanners with few rays put points in lines: close to each other along a line, and far from the next one. The nearest
+//! points of a point are then on its own line, and any surface fits a line. There the neighbors are drawn from more of
+//! the nearest points, so that they are about as far apart along the lines as the lines are.
+
+use super::fit::FitFrame;
+use super::noise::distance;
+use super::patches::scrambled;
+use super::{FIT_SIZES, LINE_RATIO, NEIGHBORS};
+use crate::shape::{Adjacency, Neighborhoods};
+use crate::vector::{Vector, dot, subtract};
+use crate::{Cancelled, Progress, parallel};
+
+/// Number of nearest neighbors whose mean distance is the unit of reported noise.
+const UNIT_NEIGHBORS: usize = 12;
+
+/// Largest number of nearest points, in multiples of [`NEIGHBORS`], from which neighbors are drawn.
+const MOST_WIDE: usize = 16;
+
+/// Number of places where lines are looked for, the share of them that must be in lines, and the share of those that
+/// may be so still when neighbors are drawn from more points.
+const PLACES: usize = 2000;
+const LEAST_LINES: f64 = 0.1;
+const FEW_LINES: f64 = 0.1;
+
+/// Largest ratio of the variance of a neighborhood along its normal to that along its shorter side.
+const FLAT: f64 = 0.1;
+
+/// Neighbors of each point in the order of their distances.
+pub(in crate::denoise) struct NearestRows {
+    names: Vec<u32>,
+    starts: Vec<usize>,
+}
+
+impl NearestRows {
+    /// At most [`NEIGHBORS`] of the listed neighbors: the nearest, and at equal distances those with the smaller index,
+    /// or where points lie in lines, some of the `most` nearest.
+    pub(in crate::denoise) fn new(
+        points: &[Vector],
+        neighbors: &Adjacency,
+        most: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let lines = match most > NEIGHBORS {
+            true => parallel::try_collect(points.len(), progress, |x| {
+                line_sizes(points, x, &nearest(points, neighbors, x, most))
+            })?,
+            false => Vec::new(),
+        };
+        let rows = parallel::try_collect(points.len(), progress, |x| {
+            let row = nearest(points, neighbors, x, most);
+            drawn(points, x, row, &lines)
+        })?;
+        let mut starts = Vec::with_capacity(rows.len() + 1);
+        let mut names = Vec::with_capacity(rows.iter().map(Vec::len).sum());
+        for row in rows {
+            starts.push(names.len());
+            names.extend(row);
+        }
+        starts.push(names.len());
+        Ok(Self { names, starts })
+    }
+
+    /// A length in mean distances to the 12 nearest neighbors; 0 if all points coincide.
+    pub(in crate::denoise) fn in_mean_distances(
+        &self,
+        points: &[Vector],
+        length: f64,
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
+        let few = |x: usize| &self.row(x)[..self.row(x).len().min(UNIT_NEIGHBORS)];
+        let total = parallel::try_sum(points.len(), progress, |x| {
+            few(x).iter().map(|&y| distance(&points[x], &points[y as usize])).sum()
+        })?;
+        let n: usize = (0..points.len()).map(|x| few(x).len()).sum();
+        Ok(if total > 0.0 { length * n as f64 / total } else { 0.0 })
+    }
+
+    pub(super) fn row(&self, x: usize) -> &[u32] {
+        &self.names[self.starts[x]..self.starts[x + 1]]
+    }
+
+    /// Distance to the `k`-th neighbor, or to the last one; 0 without neighbors.
+    pub(super) fn radius(&self, points: &[Vector], x: usize, k: usize) -> f64 {
+        let row = self.row(x);
+        row.get(k.min(row.len()).wrapping_sub(1)).map_or(0.0, |&y| distance(&points[x], &points[y as usize]))
+    }
+}
+
+/// The neighbors of a point by their distance, at most `most`.
+fn nearest(points: &[Vector], neighbors: &Adjacency, x: usize, most: usize) -> Vec<u32> {
+    let square = |y: u32| {
+        let d = subtract(&points[y as usize], &points[x]);
+        dot(&d, &d)
+    };
+    let mut row: Vec<(f64, u32)> =
+        neighbors.row(x).iter().filter(|&&y| y as usize != x).map(|&y| (square(y), y)).collect();
+    row.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    row.truncate(most);
+    row.into_iter().map(|(_, y)| y).collect()
+}
+
+/// True if the nearest points of a point span no surface, of which `row` holds at least 32 for each that is drawn: the
+/// nearest 8 or 32 lie in a line, or if not all are drawn, the nearest 32 in no plane.
+fn is_line(points: &[Vector], x: usize, row: &[u32], one_in: usize) -> bool {
+    let variances = |k: usize| {
+        FitFrame::new(points, x, &row[..row.len().min(k * one_in)], f64::INFINITY).variances
+    };
+    let few = variances(FIT_SIZES[0]);
+    let [least, middle, most] = variances(FIT_SIZES[2]);
+    few[1] < LINE_RATIO * few[2] || middle < LINE_RATIO * most || (one_in > 1 && least > FLAT * middle)
+}
+
+/// Bit `i`: the nearest points span no surface if one in 2^i is drawn.
+fn line_sizes(points: &[Vector], x: usize, row: &[u32]) -> u8 {
+    draws(row).fold(0, |bits, i| bits | u8::from(is_line(points, x, row, 1 << i)) << i)
+}
+
+/// The draws, one in 2^i, for which a row has enough points.
+fn draws(row: &[u32]) -> impl Iterator<Item = u32> {
+    (0..=MOST_WIDE.ilog2()).filter(move |i| NEIGHBORS << i <= row.len().next_multiple_of(NEIGHBORS))
+}
+
+/// The neighbors of `x`: the nearest of `row`, or if most points around lie in lines, a random one of each 2, 4, 8 or 16
+/// that follow each other by distance; as few as suffice for the drawn to span a surface.
+fn drawn(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
+    let around = &row[..row.len().min(NEIGHBORS)];
+    let is_in_lines = |i: u32| {
+        let n = around.iter().filter(|&&y| lines[y as usize] >> i & 1 == 1).count();
+        2 * n > around.len()
+    };
+    let wide = match lines.is_empty() {
+        true => 0,
+        false => draws(&row).find(|&i| !is_in_lines(i)).unwrap_or(0),
+    };
+    if wide > 0 {
+        let bits = points[x].iter().fold(0, |bits, c| scrambled(bits ^ c.to_bits()));
+        let of = |(i, few): (usize, &[u32])| match i {
+            0 => few[0],
+            _ => few[(scrambled(bits ^ i as u64) % few.len() as u64) as usize],
+        };
+        row = row.chunks(1 << wide).enumerate().map(of).collect();
+    }
+    row.truncate(NEIGHBORS);
+    row
+}
+
+/// The rows of a cloud, and the number of nearest points from which they are drawn: more than [`NEIGHBORS`] where a
+/// tenth of the places are in lines. `search` finds as many nearest points of each point as it is told.
+pub(in crate::denoise) fn rows_across_lines(
+    points: &[Vector],
+    search: impl Fn(usize) -> Result<Neighborhoods, Cancelled>,
+    progress: Progress<'_>,
+) -> Result<(NearestRows, usize), Cancelled> {
+    let n = points.len();
+    let places: Vec<usize> = match n > PLACES {
+        true => (0..PLACES).map(|i| (scrambled(i as u64) % n as u64) as usize).collect(),
+        false => (0..n).collect(),
+    };
+    let in_lines = |near: &Adjacency, wide: usize| {
+        let few = FIT_SIZES[2] * wide;
+        parallel::try_collect(places.len(), progress, |i| {
+            let around = nearest(points, near, places[i], NEIGHBORS);
+            let is_in_line = |&&y: &&u32| is_line(points, y as usize, &nearest(points, near, y as usize, few), wide);
+            2 * around.iter().filter(is_in_line).count() > around.len()
+        })
+    };
+    let share = |is: &[bool]| is.iter().filter(|is| **is).count() as f64 / is.len().max(1) as f64;
+    let mut near = search(NEIGHBORS)?;
+    let first = share(&in_lines(&near.adjacency, 1)?);
+    let (mut wide, mut left) = (1, first);
+    while first >= LEAST_LINES && left > FEW_LINES * first && wide < MOST_WIDE && NEIGHBORS * wide < n {
+        wide *= 2;
+        near = search(NEIGHBORS * wide)?;
+        left = share(&in_lines(&near.adjacency, wide)?);
+    }
+    Ok((NearestRows::new(points, &near.adjacency, NEIGHBORS * wide, progress)?, NEIGHBORS * wide))
+}
