@@ -8,7 +8,9 @@
 use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Denoised, denoise};
 use adwave::shape::{PointCloud, PreparedGeometry, Shape, WeldMode};
-use adwave_bench_helpers::truth::{CleanCloud, CloudNoise, CloudShape, Tree, chamfer, into_unit_sphere};
+use adwave_bench_helpers::truth::{
+    CleanCloud, CloudNoise, CloudShape, NoisyCloud, Sensor, Tree, chamfer, into_unit_sphere,
+};
 use adwave_io::{ReadLimits, read_path};
 use rayon::prelude::*;
 use std::error::Error;
@@ -51,7 +53,9 @@ fn main() -> BenchOutcome<()> {
         .map(|&(shape, seed)| {
             let clean = CloudShape::ALL[shape].1.sample(POINTS, seed);
             let dense = Tree::new(&clean.dense);
-            let rows = CloudNoise::ALL.iter().map(|(_, noise)| row(&clean, &dense, *noise, seed)).collect();
+            let rows =
+                CloudNoise::ALL.iter().map(|(_, noise)| row(&clean, &dense, &noise.apply(&clean, seed)));
+            let rows = rows.collect();
             (shape, rows)
         })
         .collect();
@@ -71,14 +75,29 @@ fn main() -> BenchOutcome<()> {
         let own = tables.iter().filter(|(s, _)| *s == shape).flat_map(|(_, rows)| rows[1..].iter().copied());
         print_row(name, &own.collect::<Vec<_>>());
     }
+    print_sensors(n_seeds, first);
     if let Some(folder) = words.get(2) {
         print_published(Path::new(folder))?;
     }
     Ok(())
 }
 
-fn row(clean: &CleanCloud, dense: &Tree, noise: CloudNoise, seed: u64) -> Row {
-    let noisy = noise.apply(clean, seed);
+/// Table of the sensors.
+fn print_sensors(n_seeds: u64, first: u64) {
+    println!(
+        "\n| sensor | Chamfer before | after | worse | distance before | after | noise found | put in | moved | far |"
+    );
+    println!("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: |");
+    for (name, sensor) in Sensor::ALL {
+        let one = |k: u64| {
+            let (clean, noisy) = sensor.scan(POINTS, 2 * k + first);
+            row(&clean, &Tree::new(&clean.dense), &noisy)
+        };
+        print_row(name, &(0..n_seeds).map(one).collect::<Vec<_>>());
+    }
+}
+
+fn row(clean: &CleanCloud, dense: &Tree, noisy: &NoisyCloud) -> Row {
     let start = Instant::now();
     let Ok(Denoised { points, info, .. }) = denoised(noisy.points.clone()) else { return Row::default() };
     let seconds = start.elapsed().as_secs_f64();

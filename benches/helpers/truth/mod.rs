@@ -5,6 +5,7 @@ mod meshes;
 mod noise;
 mod random;
 mod sampling;
+mod sensors;
 mod surfaces;
 
 pub use closest::{Tree, chamfer, into_unit_sphere};
@@ -12,3 +13,4 @@ pub use meshes::{CleanMesh, MeshNoise, MeshShape};
 pub use noise::{CloudNoise, NoisyCloud};
 pub use random::Random;
 pub use sampling::{CleanCloud, CloudShape};
+pub use sensors::Sensor;

@@ -114,7 +114,7 @@ impl CloudShape {
 }
 
 /// Moves and scales a soup so that the unit sphere around the middle of its box touches it.
-fn fit_unit_sphere(soup: &mut [Triangle]) {
+pub(super) fn fit_unit_sphere(soup: &mut [Triangle]) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in soup.as_flattened() {
         for k in 0..3 {
@@ -136,7 +136,7 @@ fn fit_unit_sphere(soup: &mut [Triangle]) {
 type PointsAndNormals = (Vec<[f64; 3]>, Vec<[f64; 3]>);
 
 /// Random points of a soup, uniform by area.
-fn scatter(soup: &[Triangle], n: usize, random: &mut Random) -> PointsAndNormals {
+pub(super) fn scatter(soup: &[Triangle], n: usize, random: &mut Random) -> PointsAndNormals {
     let mut total = 0.0;
     let areas: Vec<f64> = soup
         .iter()
@@ -230,7 +230,7 @@ fn cast_rays(soup: &[Triangle], sensor: [f64; 3], n: usize, random: &mut Random)
     (points, normals)
 }
 
-fn hit_distance([a, b, c]: &Triangle, from: [f64; 3], d: [f64; 3]) -> Option<f64> {
+pub(super) fn hit_distance([a, b, c]: &Triangle, from: [f64; 3], d: [f64; 3]) -> Option<f64> {
     let (e, f) = (minus(*b, *a), minus(*c, *a));
     let p = cross(d, f);
     let det = dot(e, p);
@@ -246,7 +246,7 @@ fn hit_distance([a, b, c]: &Triangle, from: [f64; 3], d: [f64; 3]) -> Option<f64
 }
 
 /// Mean distance of a point to the nearest other one.
-fn mean_spacing(points: &[[f64; 3]]) -> f64 {
+pub(super) fn mean_spacing(points: &[[f64; 3]]) -> f64 {
     let tree = super::closest::Tree::new(points);
     let sum: f64 = points.iter().map(|p| tree.nearest_other(p)).sum();
     sum / points.len() as f64

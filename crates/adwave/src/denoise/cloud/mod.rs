@@ -36,7 +36,7 @@ const FEW_NEIGHBORS: usize = 24;
 /// five to the others around it, and six to their points and the rows of these. The other fits need nine: one for the
 /// fit, one for the risks, six for the noise there (residuals, their quantiles, a mean and three rounds of smoothing),
 /// and one for the neighbors of the fits in these.
-pub(super) const REACH: usize = 16;
+pub(super) const REACH: usize = 17;
 
 /// Width of the weights of a fit, in distances to its last neighbor.
 const WIDTH: f64 = 0.6;
@@ -57,6 +57,9 @@ const TEMPERATURE: f64 = 0.3;
 
 /// Farthest motion in standard deviations of the noise.
 const FARTHEST: f64 = 3.0;
+
+/// Longest motion, in those, that is shortened to it; points of longer ones belong to no surface and stay.
+const SHORTENED: f64 = 1.5;
 
 /// Size of a neighborhood in standard deviations of the noise below which its own axes are noise.
 const LEAST_SIZE: f64 = 8.0;
@@ -87,15 +90,22 @@ const CAUTION: f64 = 1.13;
 const NOTHING: f64 = 1e-100;
 
 /// Number of fits.
-const N_FITS: usize = 4;
+const N_FITS: usize = 5;
+
+/// Index of the fit of patches, which are wider than the neighbors, and the factor of its share: patches are tested
+/// against the noise by all of their points, and not by the risk of a few alone.
+const WIDE: usize = 4;
+const WIDE_FAVOR: f64 = 128.0;
 
 /// Noise of a cloud at each point, and the residuals from which it was estimated.
 pub(super) struct CloudNoise {
     /// Standard deviation that the fits assume at each point: the noise divided by [`CAUTION`].
     pub(super) by_point: Vec<f64>,
     residuals: Vec<Residuals>,
-    /// Fits where the noise is strong, if it is anywhere.
-    patches: Option<Patches>,
+    /// Wide fits.
+    patches: Patches,
+    /// True if points of patches move by these alone.
+    is_strong: bool,
     /// Median of the noise.
     pub(super) typical: f64,
 }
@@ -114,15 +124,21 @@ impl CloudNoise {
             Some(noise) => vec![noise / CAUTION; points.len()],
             None => noise_by_place(points, near, &residuals, progress)?,
         };
-        let patches = strong.map(|strong| Patches::new(points, near, strong, progress)).transpose()?;
-        if let (Some(patches), Some(strong)) = (&patches, strong) {
+        let patches = Patches::new(points, near, strong, &by_point, progress)?;
+        if let Some(strong) = strong {
             for (level, &noise) in by_point.iter_mut().zip(&patches.noise) {
                 *level = if noise > 0.0 { noise / CAUTION } else { level.max(strong.at_least / CAUTION) };
             }
         }
         let mut known: Vec<f64> =
             (0..points.len()).filter(|&x| !near.row(x).is_empty()).map(|x| by_point[x]).collect();
-        Ok(Self { typical: CAUTION * median(&mut known), by_point, residuals, patches })
+        Ok(Self {
+            typical: CAUTION * median(&mut known),
+            by_point,
+            residuals,
+            patches,
+            is_strong: strong.is_some(),
+        })
     }
 }
 
@@ -173,9 +189,9 @@ pub(super) fn denoise_points(
     params: &DenoiseParams,
     progress: Progress<'_>,
 ) -> Result<CloudResult, Cancelled> {
-    let is_patched = |x: usize| noise.patches.as_ref().is_some_and(|patches| patches.noise[x] > 0.0);
-    let mut is_needed = vec![noise.patches.is_none(); points.len()];
-    for x in (0..points.len()).filter(|&x| noise.patches.is_some() && !is_patched(x)) {
+    let is_patched = |x: usize| noise.is_strong && noise.patches.noise[x] > 0.0;
+    let mut is_needed = vec![!noise.is_strong; points.len()];
+    for x in (0..points.len()).filter(|&x| noise.is_strong && !is_patched(x)) {
         is_needed[x] = true;
         near.row(x).iter().for_each(|&y| is_needed[y as usize] = true);
     }
@@ -183,14 +199,19 @@ pub(super) fn denoise_points(
         if !is_needed[x] {
             return PointFits::default();
         }
-        point_fits(
+        let mut fits = point_fits(
             points,
             near,
             x,
             params.strength * noise.by_point[x],
             typical * params.strength,
             params.creases,
-        )
+        );
+        if !noise.is_strong && fits.leverages.iter().any(|h| h.is_finite()) {
+            (fits.motions[WIDE], fits.leverages[WIDE]) =
+                (noise.patches.motions[x], noise.patches.leverages[x]);
+        }
+        fits
     })?;
     let outcomes: Vec<PointOutcome> = parallel::try_collect(points.len(), progress, |x| {
         if is_outlier(points, near, noise, x) {
@@ -200,8 +221,9 @@ pub(super) fn denoise_points(
             };
             return (motion, PointState::Outlier, 1.0);
         }
-        if let Some(patches) = noise.patches.as_ref().filter(|_| is_patched(x)) {
-            return (patches.motions[x].map(|c| c * params.strength.min(1.0)), PointState::Moved, 0.0);
+        if is_patched(x) {
+            let motion = noise.patches.motions[x].map(|c| c * params.strength.min(1.0));
+            return (motion, PointState::Moved, 0.0);
         }
         mixed_motion(near, &fits, noise, params.strength, x)
     })?;
@@ -343,14 +365,17 @@ fn mixed_motion(
     let (mut total, mut motion) = (stay, [0.0; 3]);
     for (k, &risk) in risks.iter().enumerate() {
         if fits[x].leverages[k].is_finite() {
-            total += share(risk);
-            motion = add_scaled(&motion, share(risk), &fits[x].motions[k]);
+            let share = share(risk) * if k == WIDE { WIDE_FAVOR } else { 1.0 };
+            total += share;
+            motion = add_scaled(&motion, share, &fits[x].motions[k]);
         }
     }
     let motion = motion.map(|c| c / total);
     // Strictly below the limit, whatever the sum of position and motion rounds to.
-    if norm(&motion) <= FARTHEST * (1.0 - 1e-9) * noise.by_point[x] * strength.min(1.0) {
-        (motion, PointState::Moved, stay / total)
+    let limit = FARTHEST * (1.0 - 1e-9) * noise.by_point[x] * strength.min(1.0);
+    let length = norm(&motion);
+    if length <= SHORTENED * limit {
+        (motion.map(|c| c * (limit / length.max(limit))), PointState::Moved, stay / total)
     } else {
         ([0.0; 3], PointState::Left, 1.0)
     }

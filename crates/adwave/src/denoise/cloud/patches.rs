@@ -1,13 +1,14 @@
-//! Noise that is larger than about half the distance of the points, and patches of wide quadrics that remove it.
+//! Patches: quadrics over more neighbors than the fits of single points have.
 //!
-//! The nearest points of a point with a large error are those with a similar error, so small neighborhoods hide strong
-//! noise. A neighborhood that is flat (much wider than thick) does not. Strong noise is looked for at some places of
-//! the cloud; only if most of them agree, and their residuals are distributed as those of one sheet, patches are
-//! fitted. Otherwise nothing changes. Two sheets are told by the mean of their absolute residuals, which is
+//! They remove weak noise better where the surface bends little: the risk decides. Noise that is larger than about
+//! half the distance of the points hides from small neighborhoods: the nearest points of a point with a large error are
+//! those with a similar error. A neighborhood that is flat (much wider than thick) does not hide it. Strong noise is
+//! looked for at some places of the cloud; only if most of them agree, and their residuals are distributed as those of
+//! one sheet, points move by patches alone. Two sheets are told by the mean of their absolute residuals, which is
 //! closer to the root mean square than that of normal deviates (Geary's ratio).
 
 use super::fit::{FitFrame, basis, factorize, principal_axes, substitute};
-use super::{CAUTION, FARTHEST, LINE_RATIO, NEIGHBORS, NearestRows, quantile};
+use super::{CAUTION, FARTHEST, LINE_RATIO, NEIGHBORS, NOTHING, NearestRows, quantile};
 use crate::denoise::noise_level::median;
 use crate::denoise::params::StrongNoise;
 use crate::vector::{Vector, add_scaled, dot, norm, subtract};
@@ -18,6 +19,9 @@ use std::f64::consts::PI;
 
 /// Numbers of neighbors of the quadrics. Each is at most a quarter of the points.
 const SIZES: [usize; 7] = [16, 32, 64, 128, 256, 512, 768];
+
+/// Number of nearest neighbors of a found point that may be found next.
+const OFFERED: usize = 16;
 
 /// Number of places where strong noise is looked for, and the share of them that must be flat at some size.
 const PLACES: usize = 2000;
@@ -51,7 +55,13 @@ const GROWTH: f64 = 1.25;
 const CENTERS: f64 = 5.0;
 const POINTS_A_CENTER: f64 = 4.0;
 
-/// Number of sizes beyond the first flat one.
+/// Number of neighbors that the fits to weak noise have at least; they have up to four times as many.
+const WEAK_NEIGHBORS: usize = 64;
+
+/// Largest ratio of weak noise that patches see to that which the other fits find.
+const MOST_MORE: f64 = 1.25;
+
+/// Number of sizes beyond the first flat one, for strong noise.
 const MORE_SIZES: usize = 3;
 
 /// Number of centers around one whose noise is pooled, and the least number of them that must be flat.
@@ -78,6 +88,8 @@ pub(super) struct Patches {
     /// Standard deviation of the noise; 0 for points that no patch covers.
     pub(super) noise: Vec<f64>,
     pub(super) motions: Vec<Vector>,
+    /// Variance of each motion for noise of variance 1; infinite for points that no patch covers.
+    pub(super) leverages: Vec<f64>,
 }
 
 /// Points nearest to a position, found along the rows of neighbors.
@@ -120,7 +132,8 @@ impl Search {
         while self.found.len() < k {
             let Some(Reverse((_, y))) = self.next.pop() else { return false };
             self.found.push(y);
-            near.row(y as usize).iter().for_each(|&z| self.offer(points, z));
+            let row = near.row(y as usize);
+            row[..row.len().min(OFFERED)].iter().for_each(|&z| self.offer(points, z));
         }
         true
     }
@@ -304,7 +317,14 @@ struct Center {
 }
 
 impl Center {
-    fn new(points: &[Vector], near: &NearestRows, search: &mut Search, x: u32, last: usize) -> Option<Self> {
+    fn new(
+        points: &[Vector],
+        near: &NearestRows,
+        search: &mut Search,
+        x: u32,
+        last: usize,
+        more: usize,
+    ) -> Option<Self> {
         let p = &points[x as usize];
         search.start(points, *p, &[x]);
         let motion = Sizes::new(points, near, search, 0, last).fits.last()?.motion(p);
@@ -312,29 +332,36 @@ impl Center {
         let at = add_scaled(p, 1.0, &motion);
         let from = std::mem::take(&mut search.found);
         search.start(points, at, &from);
-        let sizes = Sizes::new(points, near, search, MORE_SIZES, last);
+        let sizes = Sizes::new(points, near, search, more, last);
         let members = search.found[..SIZES[sizes.fits.len().checked_sub(1)?]].to_vec();
         Some(Self { at, members, sizes })
     }
 }
 
-/// Noise around a center and the index of the size of least risk; `None` if the noise there is not strong, if there may
-/// be two sheets, or if the size is not larger than that of the other fits.
-fn least_risk(own: &Center, around: &[&Center], strong: &StrongNoise) -> Option<(f64, usize)> {
+/// Strong noise around a center; `None` if the noise there is not strong, or if there may be two sheets.
+fn strong_noise_around(around: &[&Center], strong: &StrongNoise) -> Option<f64> {
     let flat: Vec<&Quadric> = around.iter().filter_map(|center| center.sizes.flat()).collect();
-    let noise = if flat.len() < LEAST_POOL {
-        strong.noise
-    } else {
-        let n = flat.len() as f64;
-        let noise = median(&mut flat.iter().map(|fit| fit.noise).collect::<Vec<_>>());
-        let spacing = median(&mut flat.iter().map(|fit| fit.spacing).collect::<Vec<_>>());
-        let ratio = flat.iter().map(|fit| fit.ratio).sum::<f64>() / n;
-        let margin = RATIO_MARGINS[0] + RATIO_MARGINS[1] / n.sqrt();
-        if noise < STRONG * spacing || (ratio - PATCH_RATIO).abs() > margin {
-            return None;
-        }
-        noise
-    };
+    if flat.len() < LEAST_POOL {
+        return Some(strong.noise);
+    }
+    let n = flat.len() as f64;
+    let noise = median(&mut flat.iter().map(|fit| fit.noise).collect::<Vec<_>>());
+    let spacing = median(&mut flat.iter().map(|fit| fit.spacing).collect::<Vec<_>>());
+    let ratio = flat.iter().map(|fit| fit.ratio).sum::<f64>() / n;
+    let margin = RATIO_MARGINS[0] + RATIO_MARGINS[1] / n.sqrt();
+    (noise >= STRONG * spacing && (ratio - PATCH_RATIO).abs() <= margin).then_some(noise)
+}
+
+/// Weak noise around a center: that of the smallest patches, at least `found` and hardly more.
+fn weak_noise_around(around: &[&Center], found: f64) -> f64 {
+    let size = SIZES.partition_point(|&k| k < NEIGHBORS);
+    let mut noise: Vec<f64> =
+        around.iter().filter_map(|center| Some(center.sizes.fits.get(size)?.noise)).collect();
+    if noise.is_empty() { found } else { median(&mut noise).clamp(found, MOST_MORE * found) }
+}
+
+/// Index of the size of least risk around a center; `None` if that is not larger than that of the other fits.
+fn size_of_least_risk(own: &Center, around: &[&Center], noise: f64) -> Option<usize> {
     let risk = |i: usize| {
         let margin = 1.0 + OWN_MARGIN / (2.0 * SIZES[i] as f64).sqrt();
         if own.sizes.fits[i].noise > margin * noise {
@@ -350,20 +377,24 @@ fn least_risk(own: &Center, around: &[&Center], strong: &StrongNoise) -> Option<
     };
     let first = own.sizes.first.unwrap_or(0).saturating_sub(1);
     let size = (first..own.sizes.fits.len()).min_by(|&i, &j| risk(i).total_cmp(&risk(j)))?;
-    (SIZES[size] >= NEIGHBORS && risk(size).is_finite()).then_some((noise, size))
+    (SIZES[size] >= NEIGHBORS && risk(size).is_finite()).then_some(size)
 }
 
 impl Patches {
-    /// Fits patches around some of the points. O(points), with about [`CENTERS`] fits of each size for each point.
+    /// Fits patches around some of the points, where the noise is strong or, without strong noise, of the deviations
+    /// `by_point`. O(points), with about [`CENTERS`] fits of each size for each point.
     pub(super) fn new(
         points: &[Vector],
         near: &NearestRows,
-        strong: &StrongNoise,
+        strong: Option<&StrongNoise>,
+        by_point: &[f64],
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let n = points.len();
-        let first = SIZES.iter().position(|&k| k >= strong.neighbors).unwrap_or(SIZES.len() - 1);
+        let least = strong.map_or(WEAK_NEIGHBORS, |strong| strong.neighbors);
+        let first = SIZES.iter().position(|&k| k >= least).unwrap_or(SIZES.len() - 1);
         let last = (first + 2).min(SIZES.len() - 1);
+        let more = if strong.is_some() { MORE_SIZES } else { SIZES.len() };
         let one_in = (SIZES[first] as f64 / CENTERS).max(POINTS_A_CENTER);
         // By the coordinates, so that the parts of a cloud have the same centers as the whole.
         let most = (u64::MAX as f64 / one_in) as u64;
@@ -375,15 +406,26 @@ impl Patches {
         }
         let scratch = || Search::new(n);
         let fits = parallel::try_map_chunks(centers.len(), 64, progress, scratch, |search, range| {
-            range.map(|c| Center::new(points, near, search, centers[c], last)).collect::<Vec<_>>()
+            let center = |c: usize| {
+                let x = centers[c];
+                let is_noisy = strong.is_some() || by_point[x as usize] > NOTHING;
+                is_noisy.then(|| Center::new(points, near, search, x, last, more)).flatten()
+            };
+            range.map(center).collect::<Vec<_>>()
         })?;
         let fits: Vec<Option<Center>> = fits.into_iter().flatten().collect();
         let chosen = parallel::try_collect(fits.len(), progress, |c| {
             let own = fits[c].as_ref()?;
             let around = own.members.iter().filter_map(|&y| fits.get(index[y as usize])?.as_ref());
-            least_risk(own, &around.take(POOL).collect::<Vec<_>>(), strong)
+            let around = around.take(POOL).collect::<Vec<_>>();
+            let noise = match strong {
+                Some(strong) => strong_noise_around(&around, strong)?,
+                None => weak_noise_around(&around, CAUTION * by_point[centers[c] as usize]),
+            };
+            Some((noise, size_of_least_risk(own, &around, noise)?))
         })?;
-        let mut out = Self { noise: vec![0.0; n], motions: vec![[0.0; 3]; n] };
+        let mut out =
+            Self { noise: vec![0.0; n], motions: vec![[0.0; 3]; n], leverages: vec![f64::INFINITY; n] };
         let mut total = vec![0.0; n];
         for start in (0..fits.len()).step_by(BATCH) {
             let count = BATCH.min(fits.len() - start);
@@ -392,17 +434,20 @@ impl Patches {
                     (Some(center), Some((noise, size))) => part_motions(points, center, noise, size),
                     _ => Vec::new(),
                 })?;
-            for (y, weight, motion, noise) in parts.into_iter().flatten() {
+            for (y, weight, motion, noise, leverage) in parts.into_iter().flatten() {
                 total[y] += weight;
+                out.leverages[y] = if total[y] > weight { out.leverages[y] } else { 0.0 } + weight * leverage;
                 out.noise[y] += weight * noise;
                 out.motions[y] = add_scaled(&out.motions[y], weight, &motion);
             }
         }
-        for ((noise, motion), total) in out.noise.iter_mut().zip(&mut out.motions).zip(total) {
+        let parts = out.noise.iter_mut().zip(&mut out.motions).zip(&mut out.leverages);
+        for (((noise, motion), leverage), total) in parts.zip(total) {
             if total <= LEAST_WEIGHT {
-                (*noise, *motion) = (0.0, [0.0; 3]);
+                (*noise, *motion, *leverage) = (0.0, [0.0; 3], f64::INFINITY);
                 continue;
             }
+            *leverage /= total;
             *noise /= total;
             // Strictly below the limit, whatever the sum of position and motion rounds to.
             let (length, most) = (norm(motion) / total, FARTHEST * (1.0 - 1e-9) * *noise / CAUTION);
@@ -412,13 +457,11 @@ impl Patches {
     }
 }
 
-/// Motions of the points of a patch: each with its weight and the noise of the patch.
-fn part_motions(
-    points: &[Vector],
-    center: &Center,
-    noise: f64,
-    size: usize,
-) -> Vec<(usize, f64, Vector, f64)> {
+/// Motion of a point by a patch: its index, its weight, the motion, the noise of the patch, and the leverage.
+type PartMotion = (usize, f64, Vector, f64, f64);
+
+/// Motions of the points of a patch.
+fn part_motions(points: &[Vector], center: &Center, noise: f64, size: usize) -> Vec<PartMotion> {
     let members = &center.members[..SIZES[size]];
     let square = |p: &Vector| {
         let d = subtract(p, &center.at);
@@ -429,7 +472,7 @@ fn part_motions(
         let p = &points[y as usize];
         let motion = center.sizes.fits[size].motion(p);
         let share = 1.0 - square(&add_scaled(p, 1.0, &motion)) / radius;
-        (share > 0.0).then_some((y as usize, share * share, motion, noise))
+        (share > 0.0).then_some((y as usize, share * share, motion, noise, LEVERAGE / SIZES[size] as f64))
     };
     members.iter().filter_map(one).collect()
 }

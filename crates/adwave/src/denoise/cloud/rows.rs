@@ -27,6 +27,15 @@ const FEW_LINES: f64 = 0.1;
 /// Largest ratio of the variance of a neighborhood along its normal to that along its shorter side.
 const FLAT: f64 = 0.1;
 
+/// Largest ratio of the variance across a line with noise to that along it, and largest cosines between the normal of
+/// the 32 nearest points and those of the 8 nearest: their normal, and their line.
+const FENCE: f64 = 0.35;
+const FENCE_TURN: f64 = 0.7;
+const ALONG: f64 = 0.35;
+
+/// Part of the points around that must be in lines.
+const LINE_PART: usize = 3;
+
 /// Neighbors of each point in the order of their distances.
 pub(in crate::denoise) struct NearestRows {
     names: Vec<u32>,
@@ -102,14 +111,17 @@ fn nearest(points: &[Vector], neighbors: &Adjacency, x: usize, most: usize) -> V
 }
 
 /// True if the nearest points of a point span no surface, of which `row` holds at least 32 for each that is drawn: the
-/// nearest 8 or 32 lie in a line, or if not all are drawn, the nearest 32 in no plane.
+/// nearest 8 or 32 lie in a line; or noise makes a fence of the line; or if not all are drawn, the nearest 32 lie in no
+/// plane.
 fn is_line(points: &[Vector], x: usize, row: &[u32], one_in: usize) -> bool {
-    let variances = |k: usize| {
-        FitFrame::new(points, x, &row[..row.len().min(k * one_in)], f64::INFINITY).variances
-    };
-    let few = variances(FIT_SIZES[0]);
-    let [least, middle, most] = variances(FIT_SIZES[2]);
-    few[1] < LINE_RATIO * few[2] || middle < LINE_RATIO * most || (one_in > 1 && least > FLAT * middle)
+    let frame = |k: usize| FitFrame::new(points, x, &row[..row.len().min(k * one_in)], f64::INFINITY);
+    let (few, many) = (frame(FIT_SIZES[0]), frame(FIT_SIZES[2]));
+    let is_within = |axis: usize, limit: f64| dot(&few.axes[axis], &many.axes[0]).abs() < limit;
+    let [least, middle, most] = many.variances;
+    few.variances[1] < LINE_RATIO * few.variances[2]
+        || middle < LINE_RATIO * most
+        || (few.variances[1] < FENCE * few.variances[2] && is_within(0, FENCE_TURN) && is_within(2, ALONG))
+        || (one_in > 1 && least > FLAT * middle)
 }
 
 /// Bit `i`: the nearest points span no surface if one in 2^i is drawn.
@@ -122,13 +134,13 @@ fn draws(row: &[u32]) -> impl Iterator<Item = u32> {
     (0..=MOST_WIDE.ilog2()).filter(move |i| NEIGHBORS << i <= row.len().next_multiple_of(NEIGHBORS))
 }
 
-/// The neighbors of `x`: the nearest of `row`, or if most points around lie in lines, a random one of each 2, 4, 8 or 16
+/// The neighbors of `x`: the nearest of `row`, or if a third of the points around lie in lines, a random one of each 2, 4, 8 or 16
 /// that follow each other by distance; as few as suffice for the drawn to span a surface.
 fn drawn(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
     let around = &row[..row.len().min(NEIGHBORS)];
     let is_in_lines = |i: u32| {
         let n = around.iter().filter(|&&y| lines[y as usize] >> i & 1 == 1).count();
-        2 * n > around.len()
+        LINE_PART * n > around.len()
     };
     let wide = match lines.is_empty() {
         true => 0,
@@ -162,8 +174,9 @@ pub(in crate::denoise) fn rows_across_lines(
         let few = FIT_SIZES[2] * wide;
         parallel::try_collect(places.len(), progress, |i| {
             let around = nearest(points, near, places[i], NEIGHBORS);
-            let is_in_line = |&&y: &&u32| is_line(points, y as usize, &nearest(points, near, y as usize, few), wide);
-            2 * around.iter().filter(is_in_line).count() > around.len()
+            let is_in_line =
+                |&&y: &&u32| is_line(points, y as usize, &nearest(points, near, y as usize, few), wide);
+            LINE_PART * around.iter().filter(is_in_line).count() > around.len()
         })
     };
     let share = |is: &[bool]| is.iter().filter(|is| **is).count() as f64 / is.len().max(1) as f64;
