@@ -192,8 +192,8 @@ mod tests {
         let level: Vec<f64> = (0..7000)
             .map(|x| [-1.0, 1.0][x % 2] * if x / 100 >= 35 { 2.0 } else { 1.0 } * MEDIAN_OF_NORMAL)
             .collect();
-        let measure =
-            |level, deviation| NoiseMeasure { level, background: &[0.0; 7000], share: 0.0, deviation };
+        let none = vec![0.0; 7000];
+        let measure = |level, deviation| NoiseMeasure { level, background: &none, share: 0.0, deviation };
         let noise = grid.noise(&[measure(&level, 0.5)]);
         assert_eq!(noise.counts, [2, 3]);
         // The patches of the first rows are beside those of the last.
