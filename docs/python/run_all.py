@@ -18,6 +18,7 @@ EXAMPLES = (
     "denoise",
     "saliency_and_features_with_pyvista",
     "cortical_fields",
+    "images_and_volumes",
     "graph",
     "cells",
     "million_points",

@@ -26,10 +26,12 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 /// and any number of threads.
 ///
 /// On a [grid](crate::grid::Grid), unless θ, a response or the scope is given, features are those that noise does not
-/// explain: `|W(j,x)|` exceeds 7 standard deviations of independent noise on level j, as large as the medians of `|W|` on
-/// the four finest dyadic levels around x tell; it exceeds W at 1.25 σ_j in all directions by 5.5 of them and by a quarter
-/// of itself, and by more if σ_j is a few places; and x is farther than σ_j from the border. Their strength is in these
-/// standard deviations, and their σ is the standard deviation of a Gaussian blob.
+/// explain: both `|W(j,x)|` and its contrast, which is W less its median over a ring of 1.5 to 2.5 σ_j around x, exceed 8
+/// standard deviations of independent noise on level j, as large as the medians of the four finest dyadic levels around x
+/// tell, less the part of each that an evenly bent background explains; W is extremal among the neighbors of x, and the
+/// contrast among the levels; W exceeds all of W at 1.25 σ_j around x by 5.5 of the deviations and by a quarter of
+/// itself, and by more if σ_j is a few places; and x is farther than σ_j from the border. Their response is the contrast,
+/// their strength is in these standard deviations, and their σ is the standard deviation of a Gaussian blob.
 ///
 /// Source: Algorithm 2, whose printed threshold lacks the bars of |R|; see [`Response`](super::Response) for R. On
 /// a mesh the neighborhood is two rings, whatever one step of the diffusion covers.

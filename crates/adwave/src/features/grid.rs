@@ -2,7 +2,9 @@
 //!
 //! Independent noise is known on every level from the kernel of heat, so that the finest levels tell its size around each
 //! place. A feature exceeds by many times what that noise can cause, and all places around it by a part of its height: an
-//! edge, whose band is as large along it as at its extrema, is none.
+//! edge, whose band is as large along it as at its extrema, is none. Levels are compared by contrast, the response less
+//! the median over a ring: a wide hill raises the responses of all of them, the more the coarser they are, and its ring
+//! with them.
 
 use super::best::select_spread_by;
 use super::refine::{TangentNeighborhood, edge_ratio, parabola_peak};
@@ -10,18 +12,25 @@ use super::response::ResponseLevel;
 use super::surface::without_side_lobes;
 use super::{Feature, FeatureError, FeatureParams, Refinement};
 use crate::bands::Wavelets;
-use crate::grid::{Grid, MAX_AXES, NoisePatches};
+use crate::grid::{Grid, MAX_AXES, NoiseMeasure, NoisePatches};
 use crate::shape::Adjacency;
 use crate::{Decomposer, Progress, parallel};
+use std::borrow::Cow;
 
-/// Least response of a feature, in standard deviations due to noise.
-const SIGNIFICANT: f64 = 7.0;
+/// Least response and contrast of a feature, in standard deviations due to noise.
+const SIGNIFICANT: f64 = 8.0;
 
 /// Least difference between a feature and the largest response around it, in standard deviations due to noise.
 const SIGNIFICANT_DROP: f64 = 5.5;
 
 /// Radius at which a feature is compared with its surroundings, in σ_j.
 const AROUND: f64 = 1.25;
+
+/// Radius of the middle of the ring over which contrast is measured, and half of its width, in σ_j.
+const RING: [f64; 2] = [2.0, 0.5];
+
+/// Distance between the places of a ring along each axis, in σ_j, if they are closer; more of them tell no more.
+const SPACING: f64 = 0.25;
 
 /// Least difference from the largest response around, relative to the feature, and its increase for places as far apart
 /// as σ_j: places are squares, so that the edge of a shape rises and falls along it. It falls with the square of σ_j.
@@ -38,12 +47,18 @@ const NOISE_LEVELS: usize = 4;
 /// Width, in the finest spacing, up to which a level measures noise: that of the last of those levels.
 const WIDEST_OF_NOISE: f64 = 2.9;
 
+/// Number of levels from one that measures noise to the one that tells its background, for one, two and three axes. The
+/// further one has less of the noise that neighbors share, and more of what is no background, above all in a volume:
+/// there a coarser level has less noise.
+const TO_BACKGROUND: [usize; MAX_AXES] = [2, 2, 1];
+
 /// Standard deviation of values that are rounded, in steps.
 const ROUNDED: f64 = 0.289;
 
-/// Width σ_j of the level on which a Gaussian blob has its largest band, in standard deviations of the blob, for one, two
-/// and three axes: the maximum of `(1 + u/2)^(−d/2) − (1 + u)^(−d/2)` over u = σ²/2.
-const WIDTH_OF_BLOB: [f64; MAX_AXES] = [2.386, 1.682, 1.370];
+/// Width σ_j of the level on which a Gaussian blob has its largest contrast, in standard deviations of the blob, for one,
+/// two and three axes. With u = σ²/2 its response at the distance r is `g(u/2) − g(u)` with
+/// `g(v) = (1 + v)^(−d/2) e^(−r²/(2 + 2v))`.
+const WIDTH_OF_BLOB: [f64; MAX_AXES] = [1.903, 1.587, 1.357];
 
 /// Relative difference of responses that are equal.
 const TIE: f64 = 1e-9;
@@ -61,11 +76,6 @@ pub(super) fn grid_features(
 ) -> Result<Vec<Feature>, FeatureError> {
     let n_levels = wavelets.n_levels();
     let levels: Vec<_> = (1..=n_levels).map(|j| wavelets.level_norms(j)).collect();
-    let of_noise: Vec<f64> = wavelets.sigma.windows(2).map(|pair| deviation_of_noise(grid, pair)).collect();
-    let finest = WIDEST_OF_NOISE * decomposer.domain().spacings()[0];
-    let n_measured = wavelets.sigma[1..].iter().take_while(|sigma| **sigma <= finest).count();
-    let measured: Vec<(&[f64], f64)> =
-        (0..n_measured.clamp(1, NOISE_LEVELS)).map(|k| (levels[k].as_ref(), of_noise[k])).collect();
     let largest =
         levels.iter().map(|level| parallel::max(level.len(), 0.0, |x| level[x].abs())).fold(0.0, f64::max);
     let ring = decomposer.ring(progress)?;
@@ -74,18 +84,20 @@ pub(super) fn grid_features(
     let search = SpotSearch {
         grid,
         ring: &ring,
-        noise: grid.noise(&measured),
+        noise: noise(grid, &levels, &wavelets.sigma, decomposer.domain().spacings()[0]),
         least: wavelets.info.error_bound.max(f64::EPSILON) * largest / SIGNIFICANT,
         params,
     };
     let mut found = Vec::new();
     for j in 2..n_levels {
         progress.step(j as u64 - 2, n_levels as u64 - 2)?;
+        let sigma = [wavelets.sigma[j - 1], wavelets.sigma[j], wavelets.sigma[j + 1]];
         let level = ThreeLevels {
             levels: [&levels[j - 2], &levels[j - 1], &levels[j]],
-            sigma: [wavelets.sigma[j - 1], wavelets.sigma[j], wavelets.sigma[j + 1]],
-            of_noise: of_noise[j - 1],
-            around: grid.shell(AROUND * wavelets.sigma[j]),
+            sigma,
+            of_noise: deviation_of_noise(grid, &[(1.0, sigma[0]), (-1.0, sigma[1])]),
+            around: grid.shell(AROUND * sigma[1], 0.0, 0.0),
+            rings: sigma.map(|sigma| grid.shell(RING[0] * sigma, RING[1] * sigma, SPACING * sigma)),
         };
         let reach = border_sigmas * wavelets.sigma[j];
         let here = level.levels[1];
@@ -112,11 +124,32 @@ pub(super) fn grid_features(
     Ok(features)
 }
 
-/// Standard deviation of independent noise of variance 1 on the level between two widths, the square root of
-/// `K(2a²) − 2K(a² + b²) + K(2b²)` with K(σ²) the share of a unit that heat of width σ leaves at its place.
-fn deviation_of_noise(grid: &Grid, sigma: &[f64]) -> f64 {
-    let [a, b] = [sigma[0].powi(2), sigma[1].powi(2)];
-    let variance = grid.own_share(2.0 * a) - 2.0 * grid.own_share(a + b) + grid.own_share(2.0 * b);
+/// Noise by the finest levels, each less so much of a coarser one that where values bend evenly nothing is left: there a
+/// response is proportional to the difference of the squared widths of its level. `sigma` are the widths of the levels
+/// after that of the signal, and `finest` is the finest spacing, all in model units.
+fn noise(grid: &Grid, levels: &[Cow<'_, [f64]>], sigma: &[f64], finest: f64) -> NoisePatches {
+    let n_levels = levels.len();
+    let to_background = TO_BACKGROUND[grid.n_long_axes().clamp(1, MAX_AXES) - 1];
+    let difference = |k: usize| sigma[k].powi(2) - sigma[k - 1].powi(2);
+    let measure = |k: usize| {
+        let coarser = (k + to_background).min(n_levels);
+        let share = difference(k) / difference(coarser);
+        let heats =
+            [(1.0, sigma[k - 1]), (-1.0, sigma[k]), (-share, sigma[coarser - 1]), (share, sigma[coarser])];
+        let deviation = deviation_of_noise(grid, &heats);
+        NoiseMeasure { level: &levels[k - 1], background: &levels[coarser - 1], share, deviation }
+    };
+    let n_measured = sigma[1..].iter().take_while(|sigma| **sigma <= WIDEST_OF_NOISE * finest).count();
+    let measures: Vec<NoiseMeasure<'_>> =
+        (1..=n_measured.clamp(1, NOISE_LEVELS.min(n_levels - 1))).map(measure).collect();
+    grid.noise(&measures)
+}
+
+/// Standard deviation of independent noise of variance 1 in a sum of heats, each with its factor and its width σ: the
+/// square root of `Σ_p Σ_q c_p c_q K(σ_p² + σ_q²)` with K(σ²) the share of a unit that heat of width σ leaves at its place.
+fn deviation_of_noise(grid: &Grid, heats: &[(f64, f64)]) -> f64 {
+    let pairs = heats.iter().flat_map(|p| heats.iter().map(move |q| (p, q)));
+    let variance: f64 = pairs.map(|((c, a), (d, b))| c * d * grid.own_share(a * a + b * b)).sum();
     variance.max(0.0).sqrt()
 }
 
@@ -130,6 +163,8 @@ struct ThreeLevels<'a> {
     of_noise: f64,
     /// Steps to the places with which a feature is compared.
     around: Vec<[isize; MAX_AXES]>,
+    /// Steps to the places of the ring of each level.
+    rings: [Vec<[isize; MAX_AXES]>; 3],
 }
 
 struct SpotSearch<'a> {
@@ -144,7 +179,7 @@ struct SpotSearch<'a> {
 impl SpotSearch<'_> {
     /// The feature at a place, if it is significant.
     fn candidate(&self, x: usize, level: &ThreeLevels<'_>, decomposer: &Decomposer) -> Option<Feature> {
-        let [finer, here, coarser] = level.levels;
+        let here = level.levels[1];
         let response = here[x];
         let deviation = self.deviation(x, level);
         if response.is_nan() || response.abs() <= SIGNIFICANT * deviation {
@@ -153,20 +188,13 @@ impl SpotSearch<'_> {
         let sign = response.signum();
         let height = response.abs();
         let tie = TIE * height;
-        if sign * finer[x] >= height - tie || sign * coarser[x] > height + tie {
-            return None;
-        }
         let is_below = |y: u32| {
             let difference = height - sign * here[y as usize];
             y as usize == x || difference > tie || (difference >= -tie && x < y as usize)
         };
         let neighbors = self.ring.row(x);
-        let is_peak = neighbors.iter().all(|&y| {
-            is_below(y)
-                && sign * finer[y as usize] < height - tie
-                && sign * coarser[y as usize] <= height + tie
-                && self.ring.row(y as usize).iter().all(|&z| is_below(z))
-        });
+        let is_peak =
+            neighbors.iter().all(|&y| is_below(y) && self.ring.row(y as usize).iter().all(|&z| is_below(z)));
         if !is_peak {
             return None;
         }
@@ -178,14 +206,20 @@ impl SpotSearch<'_> {
         if height - largest <= least.max(SIGNIFICANT_DROP * deviation) {
             return None;
         }
-        let heights = level.levels.map(|level| sign * level[x]);
+        let contrast = self.contrast(x, level, 1)?;
+        let contrasts =
+            [self.contrast(x, level, 0)?, contrast, self.contrast(x, level, 2)?].map(|c| sign * c);
+        let [finer, height, coarser] = contrasts;
+        if height <= SIGNIFICANT * deviation || finer >= height - tie || coarser > height + tie {
+            return None;
+        }
         let n_axes = self.grid.n_long_axes().clamp(1, MAX_AXES);
         let mut feature = Feature {
             vertex: x,
             position: Some(self.grid.position(x)),
             level: 0,
-            sigma: parabola_peak(level.sigma, heights) / WIDTH_OF_BLOB[n_axes - 1],
-            response,
+            sigma: parabola_peak(level.sigma, contrasts) / WIDTH_OF_BLOB[n_axes - 1],
+            response: contrast,
             strength: height / deviation,
             channel: None,
         };
@@ -199,6 +233,16 @@ impl SpotSearch<'_> {
             feature.position = Some(self.grid.position_at(self.refined(x, here)));
         }
         Some(feature)
+    }
+
+    /// The response at a place less the median over the ring around it, on one of three levels; `None` if the ring has no
+    /// values.
+    fn contrast(&self, x: usize, three: &ThreeLevels<'_>, which: usize) -> Option<f64> {
+        let level = three.levels[which];
+        let places = three.rings[which].iter().filter_map(|step| self.grid.place_at(x, step));
+        let mut around: Vec<f64> = places.map(|y| level[y]).filter(|r| !r.is_nan()).collect();
+        let middle = around.len() / 2;
+        (!around.is_empty()).then(|| level[x] - *around.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// Standard deviation of the response at a place due to noise, to rounded values and to the error of the bands. Noise

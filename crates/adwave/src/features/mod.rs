@@ -45,7 +45,7 @@ pub struct Feature {
     pub level: usize,
     /// Radius in model units: σ_j, or near it after refinement.
     pub sigma: f64,
-    /// The response R(j,x).
+    /// The response R(j,x), for significant features of a grid less its median over a ring around the place.
     pub response: f64,
     /// Strength `|R(j,x)| / mean|R(j)|`, which is above θ and comparable between levels and responses.
     pub strength: f64,

@@ -25,7 +25,7 @@ mod lines;
 mod places;
 
 pub use heat::GridHeat;
-pub(crate) use places::NoisePatches;
+pub(crate) use places::{NoiseMeasure, NoisePatches};
 
 use crate::domain::Domain;
 use crate::shape::{Adjacency, VertexMap, squared_distance};

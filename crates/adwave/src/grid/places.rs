@@ -49,17 +49,19 @@ impl Grid {
         self.axes.long().map(|axis| scaled_i0(0.5 * square / self.axes.spacings[axis].powi(2))).product()
     }
 
-    /// Steps along the axes to the places whose distance from another is `radius` (model units) to within half of the
-    /// finest spacing.
-    pub(crate) fn shell(&self, radius: f64) -> Vec<[isize; MAX_AXES]> {
-        let half = 0.5 * self.axes.finest();
+    /// Steps along the axes to places whose distance from another is `radius` to within `half`, or to within half of the
+    /// finest spacing if that is more; along each axis they are `apart` or less from each other, or next to each other.
+    /// All lengths are in model units.
+    pub(crate) fn shell(&self, radius: f64, half: f64, apart: f64) -> Vec<[isize; MAX_AXES]> {
+        let half = half.max(0.5 * self.axes.finest());
         let mut found = vec![([0; MAX_AXES], 0.0)];
         for axis in self.axes.long() {
             let spacing = self.axes.spacings[axis];
-            let reach = ((radius + half) / spacing).min(self.axes.sizes[axis] as f64) as isize;
+            let stride = ((apart / spacing) as isize).max(1);
+            let reach = ((radius + half) / spacing).min(self.axes.sizes[axis] as f64) as isize / stride;
             let along = |(step, square): &([isize; MAX_AXES], f64)| {
                 let (step, square) = (*step, *square);
-                (-reach..=reach).map(move |k| {
+                (-reach..=reach).map(move |k| k * stride).map(move |k| {
                     let mut step = step;
                     step[axis] = k;
                     (step, square + (k as f64 * spacing).powi(2))
@@ -87,9 +89,9 @@ impl Grid {
         Some(found as usize)
     }
 
-    /// Standard deviation of independent noise in each patch, by the `levels` of a signal and the standard deviations
-    /// that noise of variance 1 has on them: the largest of the medians of the levels, and of the patches around.
-    pub(crate) fn noise(&self, levels: &[(&[f64], f64)]) -> NoisePatches {
+    /// Standard deviation of independent noise in each patch: the largest of the medians of several measures, and of the
+    /// patches around.
+    pub(crate) fn noise(&self, measures: &[NoiseMeasure<'_>]) -> NoisePatches {
         let edge = PATCH[self.n_long_axes().clamp(1, MAX_AXES) - 1];
         let sizes: Vec<usize> = self.axes.sizes.iter().map(|n| (n / edge).max(1)).collect();
         let patches = Self::new(&sizes, &vec![1.0; sizes.len()]).expect("one spacing for each size");
@@ -104,18 +106,19 @@ impl Grid {
                 places =
                     places.iter().flat_map(|p| bounds(patch, axis).map(move |k| p + k * stride)).collect();
             }
-            let of_level = |(level, of_noise): &(&[f64], f64)| {
-                let mut sizes: Vec<f64> =
-                    places.iter().map(|&x| level[x].abs()).filter(|size| !size.is_nan()).collect();
+            let by_measure = |measure: &NoiseMeasure<'_>| {
+                let size = |&x: &usize| (measure.level[x] - measure.share * measure.background[x]).abs();
+                let mut sizes: Vec<f64> = places.iter().map(size).filter(|size| !size.is_nan()).collect();
                 if sizes.len() < FEWEST.min(self.n_places()) {
                     return 0.0;
                 }
                 let middle = sizes.len() / 2;
-                *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN_OF_NORMAL * of_noise)
+                *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+                    / (MEDIAN_OF_NORMAL * measure.deviation)
             };
-            levels.iter().map(of_level).fold(0.0, f64::max)
+            measures.iter().map(by_measure).fold(0.0, f64::max)
         };
-        let own = parallel::map_items(self.n_places() * levels.len(), patches.n_places(), median);
+        let own = parallel::map_items(self.n_places() * measures.len(), patches.n_places(), median);
         let around = Self { frame: patches.frame.clone(), ..patches }.largest_around(own);
         NoisePatches { sizes: self.axes.sizes.clone(), counts: sizes, deviations: around }
     }
@@ -131,6 +134,15 @@ impl Grid {
         }
         values
     }
+}
+
+/// A sum that measures noise at each place: a level of a signal less a share of another that tells its background.
+pub(crate) struct NoiseMeasure<'a> {
+    pub(crate) level: &'a [f64],
+    pub(crate) background: &'a [f64],
+    pub(crate) share: f64,
+    /// Standard deviation of the sum for noise of variance 1.
+    pub(crate) deviation: f64,
 }
 
 /// Noise of a grid by patches.
@@ -180,13 +192,15 @@ mod tests {
         let level: Vec<f64> = (0..7000)
             .map(|x| [-1.0, 1.0][x % 2] * if x / 100 >= 35 { 2.0 } else { 1.0 } * MEDIAN_OF_NORMAL)
             .collect();
-        let noise = grid.noise(&[(&level, 0.5)]);
+        let none = vec![0.0; 7000];
+        let measure = |level, deviation| NoiseMeasure { level, background: &none, share: 0.0, deviation };
+        let noise = grid.noise(&[measure(&level, 0.5)]);
         assert_eq!(noise.counts, [2, 3]);
         // The patches of the first rows are beside those of the last.
         assert!((0..7000).all(|x| (noise.deviation_at(x) - 4.0).abs() < 1e-9));
         let tall = Grid::new(&[140, 10], &[1.0, 1.0]).unwrap();
         let level: Vec<f64> = (0..1400).map(|x| if x < 350 { 3.0 } else { 1.0 }).collect();
-        let noise = tall.noise(&[(&level, MEDIAN_OF_NORMAL.recip())]);
+        let noise = tall.noise(&[measure(&level, MEDIAN_OF_NORMAL.recip())]);
         let found: Vec<f64> = [0, 690, 700, 1399].map(|x| noise.deviation_at(x).round()).to_vec();
         assert_eq!(found, [3.0, 3.0, 1.0, 1.0]);
     }
@@ -194,10 +208,13 @@ mod tests {
     #[test]
     fn a_shell_has_places_in_all_directions_at_its_radius() {
         let grid = Grid::new(&[30, 30, 30], &[1.0, 1.0, 2.0]).unwrap();
-        let shell = grid.shell(4.0);
+        let shell = grid.shell(4.0, 0.0, 0.0);
         let away = |s: &[isize; 3]| ((s[0] * s[0] + s[1] * s[1] + 4 * s[2] * s[2]) as f64).sqrt();
         assert!(shell.iter().all(|s| (away(s) - 4.0).abs() <= 0.5));
         assert!([[4, 0, 0], [0, -4, 0], [0, 0, 2]].iter().all(|s| shell.contains(s)));
+        let sparse = grid.shell(6.0, 2.0, 3.0);
+        assert!(sparse.iter().all(|s| (4.0..=8.0).contains(&away(s)) && s[0] % 3 == 0 && s[1] % 3 == 0));
+        assert!([[6, 0, 0], [0, -3, 2], [0, 0, 3]].iter().all(|s| sparse.contains(s)));
         let ring = Grid::new(&[8], &[1.0]).unwrap().with_periodic(&[true]).unwrap();
         assert_eq!((ring.place_at(7, &[3, 0, 0]), grid.place_at(29, &[0, 0, 1])), (Some(2), None));
     }

@@ -87,37 +87,70 @@ fn noise_that_neighbors_share_has_no_features() {
     }
 }
 
+/// Places of four blobs, three above and one below their surroundings, in units of the spacings.
+fn four_blobs(sizes: &[usize], spacings: &[f64]) -> Vec<([f64; 3], f64)> {
+    let blob = |k: usize| {
+        let part = [[0.3, 0.7][k % 2], [0.3, 0.71][k / 2], 0.5];
+        let along = |c: usize| sizes.get(c).map_or(0.0, |n| (part[c] * *n as f64).round() * spacings[c]);
+        (std::array::from_fn(along), if k == 2 { -1.0 } else { 1.0 })
+    };
+    (0..4).map(blob).collect()
+}
+
+/// Distance of two points.
+fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Gaussian of the distance of two points.
+fn blob(a: &[f64; 3], b: &[f64; 3], sigma: f64) -> f64 {
+    (-away(a, b).powi(2) / (2.0 * sigma * sigma)).exp()
+}
+
+/// Asserts that each of the blobs is the nearest feature to its place, of its size and of its sign.
+fn assert_found(found: &[Feature], blobs: &[([f64; 3], f64)], size: f64, name: &str) {
+    for (center, sign) in blobs {
+        let distance = |f: &Feature| away(&f.position.unwrap(), center);
+        let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = nearest.unwrap_or_else(|| panic!("{name}: no features"));
+        assert!(distance(nearest) <= 0.5 * size, "{name}: {}", distance(nearest));
+        assert!((nearest.sigma / size - 1.0).abs() < 0.25, "{name}: {}", nearest.sigma);
+        assert_eq!(f64::from(nearest.sign()), *sign, "{name}");
+    }
+}
+
 #[test]
 fn blobs_are_found_in_their_place_and_of_their_size() {
     for (sizes, spacings) in [(vec![160, 180], [1.0, 1.0, 1.0]), (vec![48, 60, 40], [1.0, 1.0, 1.5])] {
         let grid = Grid::new(&sizes, &spacings[..sizes.len()]).unwrap();
+        let blobs = four_blobs(&sizes, &spacings);
         for (size, deviation) in [(2.0, 0.0), (2.0, 0.05), (3.3, 0.1), (4.0, 0.2)] {
-            let centers: Vec<([f64; 3], f64)> = (0..4)
-                .map(|k| {
-                    let part = [0.3 + 0.4 * f64::from(k % 2), 0.3 + 0.41 * f64::from(k / 2), 0.5];
-                    let along =
-                        |c: usize| sizes.get(c).map_or(0.0, |n| (part[c] * *n as f64).round() * spacings[c]);
-                    (std::array::from_fn(along), if k == 2 { -1.0 } else { 1.0 })
-                })
-                .collect();
-            let blobs = |at: &[f64; 3]| {
-                let square = |c: &[f64; 3]| (0..3).map(|k| (at[k] * spacings[k] - c[k]).powi(2)).sum::<f64>();
-                centers.iter().map(|(c, sign)| sign * (-square(c) / (2.0 * size * size)).exp()).sum()
+            let scene = |at: &[f64; 3]| {
+                let at = std::array::from_fn(|c| at[c] * spacings[c]);
+                blobs.iter().map(|(center, sign)| sign * blob(&at, center, size)).sum()
             };
-            let values = values(&sizes, blobs, deviation, 5);
+            let values = values(&sizes, scene, deviation, 5);
             let params = FeatureParams::default().with_refinement(Refinement::Quadratic);
             let found = found_with(&grid, &values, &params);
-            assert_eq!(found.len(), centers.len(), "{size} {deviation}: {found:?}");
-            for (center, sign) in centers {
-                let away = |f: &Feature| {
-                    (0..3).map(|c| (f.position.unwrap()[c] - center[c]).powi(2)).sum::<f64>().sqrt()
-                };
-                let nearest = found.iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
-                assert!(away(nearest) <= 0.5 * size, "{size} {deviation}: {}", away(nearest));
-                assert!((nearest.sigma / size - 1.0).abs() < 0.25, "{size} {deviation}: {}", nearest.sigma);
-                assert_eq!(f64::from(nearest.sign()), sign);
-            }
+            assert_eq!(found.len(), blobs.len(), "{size} {deviation}: {found:?}");
+            assert_found(&found, &blobs, size, &format!("{size} {deviation}"));
         }
+    }
+}
+
+#[test]
+fn blobs_on_a_hill_ten_times_as_high_are_found() {
+    for (sizes, size, deviation) in
+        [(vec![160, 180], 2.0, 0.02), (vec![160, 180], 3.0, 0.05), (vec![48, 60, 40], 2.0, 0.02)]
+    {
+        let blobs = four_blobs(&sizes, &[1.0; 3]);
+        let middle = std::array::from_fn(|c| sizes.get(c).map_or(0.0, |n| 0.5 * *n as f64));
+        let scene = |at: &[f64; 3]| {
+            let spots: f64 = blobs.iter().map(|(center, sign)| sign * blob(at, center, size)).sum();
+            spots + 10.0 * blob(at, &middle, 5.0 * size)
+        };
+        let found = found(&even(&sizes), &values(&sizes, scene, deviation, 5));
+        assert_found(&found, &blobs, size, &format!("{sizes:?} {size} {deviation}"));
     }
 }
 
