@@ -3,9 +3,10 @@
 use super::{denoised, rms};
 use adwave::denoise::{CurveDenoising, DenoiseInfo, DenoiseParams};
 use adwave::shape::{Graph, Shape};
-use rand::SeedableRng;
+
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
 
 type Point = [f64; 3];
 
