@@ -3,7 +3,6 @@
 use super::{denoised, rms};
 use adwave::denoise::{CurveDenoising, DenoiseInfo, DenoiseParams};
 use adwave::shape::{Graph, Shape};
-
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
