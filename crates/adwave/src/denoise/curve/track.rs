@@ -3,12 +3,16 @@
 use super::chains::Chain;
 use super::polynomial::fit_weights;
 use crate::vector::{add_scaled, dot, subtract, unit};
+use std::collections::BTreeMap;
 
 /// Numbers of vertices that windows reach to a side.
 const REACHES: [usize; 12] = [1, 2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64];
 
 /// Degrees of the polynomials.
 const DEGREES: [usize; 3] = [1, 3, 5];
+
+/// Sides of a vertex to which windows reach: before, after and both.
+const SIDES: [(usize, usize); 3] = [(1, 0), (0, 1), (1, 1)];
 
 /// Normal deviate up to which the squared distance of two estimates agrees with the χ² distribution that it has by the
 /// variance of the one from the smaller window; 99.3 % of them do.
@@ -59,10 +63,12 @@ pub(super) struct Track {
     pub(super) is_closed: bool,
     /// True if the parameter is the order.
     is_even: bool,
+    /// Weights of windows and degrees that are the same at all vertices, because the parameter is the order.
+    known: BTreeMap<(Window, usize), Vec<f64>>,
 }
 
 /// Numbers of vertices before and after one.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Window {
     before: usize,
     after: usize,
@@ -105,6 +111,7 @@ impl Track {
             period: sum,
             is_closed: chain.is_closed,
             is_even: parameter == Parameter::Order,
+            known: if parameter == Parameter::Order { even_weights() } else { BTreeMap::new() },
             points,
             places,
         }
@@ -136,6 +143,9 @@ impl Track {
         let mut near = self.window(i, window)?;
         if is_prediction {
             near.remove(window.before);
+        }
+        if let Some(weights) = self.known.get(&(window, degree)).filter(|_| !is_prediction) {
+            return Some(self.weighted(i, &near, weights, weights[window.before]));
         }
         let nodes: Vec<f64> = near.iter().map(|(_, u)| *u).collect();
         let weights = fit_weights(&nodes, degree)?;
@@ -207,7 +217,7 @@ impl Track {
         let limit = chi_square(group.n_axes, AGREEMENT);
         let (mut sum, mut own, mut total) = ([0.0; 3], 0.0, 0.0);
         for degree in DEGREES {
-            for (before, after) in [(1, 0), (0, 1), (1, 1)] {
+            for (before, after) in SIDES {
                 let mut best = data;
                 let mut known = vec![data];
                 for reach in REACHES {
@@ -261,6 +271,24 @@ impl Track {
         };
         (0..n).filter_map(residual).collect()
     }
+}
+
+/// Weights of the windows of [`Track::estimate`] for even spacing.
+fn even_weights() -> BTreeMap<(Window, usize), Vec<f64>> {
+    let mut known = BTreeMap::new();
+    for degree in DEGREES {
+        for (before, after) in SIDES {
+            for reach in REACHES {
+                let window = Window { before: before * reach, after: after * reach };
+                let nodes: Vec<f64> =
+                    (0..=window.before + window.after).map(|k| k as f64 - window.before as f64).collect();
+                if let Some(weights) = fit_weights(&nodes, degree) {
+                    known.insert((window, degree), weights);
+                }
+            }
+        }
+    }
+    known
 }
 
 /// Quantile of the χ² distribution with `n_axes` degrees of freedom that belongs to a normal deviate (Wilson and
