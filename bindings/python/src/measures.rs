@@ -310,6 +310,11 @@ fn denoise_points<'py>(
         found.set_item("nearest_distance", cloud.nearest_distance)?;
         found.set_item("outliers", denoised.outliers.clone())?;
     }
+    if let Some(curve) = &info.curve {
+        found.set_item("noise_by_axis", curve.noise_by_axis)?;
+        found.set_item("rounding", curve.rounding)?;
+        found.set_item("length", curve.length)?;
+    }
     Ok((arrays::point_rows(py, denoised.points)?.into_any(), found))
 }
 

@@ -43,3 +43,16 @@ def test_pickled_curves_keep_their_edges() -> None:
 def test_a_graph_needs_one_position_per_node() -> None:
     with pytest.raises(ValueError, match="a graph of 3 nodes needs one row for each"):
         aw.graph(3, [[0, 1]], points=np.zeros((2, 3)))
+
+
+def test_noise_of_a_curve_is_told_by_axis() -> None:
+    random = np.random.default_rng(3)
+    t = np.arange(400.0)
+    truth = np.stack([t, 30 * np.sin(t / 50), 5 * np.cos(t / 80)], axis=1)
+    noisy = truth + random.normal(size=truth.shape) * [0.3, 0.3, 1.0]
+    edges = np.stack([np.arange(399), np.arange(1, 400)], axis=1)
+    info = aw.denoise(aw.graph(400, edges, points=noisy)).info
+    assert np.allclose(info["noise_by_axis"], [0.3, 0.3, 1.0], rtol=0.3)
+    assert info["noise"] == pytest.approx(np.sqrt(np.mean(np.square(info["noise_by_axis"]))))
+    assert info["length"][0] > 1.2 * info["length"][1]
+    assert list(info["rounding"]) == [0, 0, 0]

@@ -1,7 +1,7 @@
 //! Report of a denoised shape.
 
 use super::{count, number};
-use adwave::denoise::{CloudDenoising, DenoiseChoice, DenoiseInfo, MeshDenoising, Outliers};
+use adwave::denoise::{CloudDenoising, CurveDenoising, DenoiseChoice, DenoiseInfo, MeshDenoising, Outliers};
 use adwave::local_fit::LocalFit;
 use std::fmt::Write;
 
@@ -18,12 +18,7 @@ pub(crate) enum SamplingUnit {
 pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: SamplingUnit) {
     let unit = match unit {
         SamplingUnit::CurveEdges => {
-            let _ = writeln!(
-                text,
-                "noise of each coordinate: {} model units, {} mean edges",
-                number(info.noise),
-                number(info.noise_in_edges)
-            );
+            describe_curve(text, info, info.curve.as_ref());
             describe_far(text, info);
             return;
         }
@@ -80,6 +75,27 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         }
     }
     describe_far(text, info);
+}
+
+/// Adds lines on the noise of a curve: one number, or three if the axes differ.
+fn describe_curve(text: &mut String, info: &DenoiseInfo, curve: Option<&CurveDenoising>) {
+    let edges = number(info.noise_in_edges);
+    let _ = match curve.map(|curve| curve.noise_by_axis) {
+        Some([x, y, z]) if x != y || y != z => {
+            let [x, y, z] = [x, y, z].map(number);
+            writeln!(text, "noise {x} {y} {z} along x y z, in model units; {edges} mean edges of the result")
+        }
+        _ => {
+            let noise = number(info.noise);
+            writeln!(text, "noise of each coordinate: {noise} model units, {edges} mean edges of the result")
+        }
+    };
+    let Some(curve) = curve else { return };
+    for ((axis, step), noise) in ["x", "y", "z"].iter().zip(curve.rounding).zip(curve.noise_by_axis) {
+        if step > 0.5 * noise {
+            let _ = writeln!(text, "{axis} is rounded to steps of {}", number(step));
+        }
+    }
 }
 
 /// Noise that neighbors share, in mean edges, below which it is not reported. Below twice the noise of single vertices
@@ -196,7 +212,7 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
 fn describe_far(text: &mut String, info: &DenoiseInfo) {
     if info.n_far > 0 {
         let vertices = count(info.n_far, "vertex", "vertices");
-        let what = if info.mesh.is_some() {
+        let what = if info.mesh.is_some() || info.curve.is_some() {
             "stopped at 3 times the noise there"
         } else {
             "moved farther than 3 times the noise"

@@ -34,8 +34,8 @@ pub use choice::{DenoiseChoice, DenoisedPart};
 pub use error::DenoiseError;
 pub use noise_model::NoiseModel;
 pub use params::{
-    CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers, SharedNoise,
-    StrongNoise,
+    CloudDenoising, Creases, CurveDenoising, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers,
+    SharedNoise, StrongNoise,
 };
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
@@ -77,8 +77,8 @@ const STAGES: u64 = 5;
 
 /// Removes noise from the positions of a mesh, cloud or curve. O(n log n) time, O(n) memory.
 ///
-/// On a curve, polynomials are fitted along it in windows that end at corners; its end points stay.
-/// [`DenoiseInfo::noise`] is then that of each coordinate. For surfaces:
+/// On a curve, polynomials are fitted along it in windows that end at corners; its end points stay. The noise is that
+/// of each coordinate, and estimated along each axis ([`CurveDenoising`]). For surfaces:
 ///
 /// For unit normals `n₀` of the triangles, the result has the normals `Σ_k w_k·F_k(n₀)`. The `F_k` are the identity
 /// and 1, 2, 4, … 32 steps of two walks, one that hardly crosses creases and one that hardly notices them. The

@@ -190,9 +190,10 @@ impl DenoiseParams {
 /// Assumed noise, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseInfo {
-    /// Standard deviation of the noise along the normals in model units, estimated or given.
+    /// Standard deviation of the noise along the normals in model units, estimated or given; of a curve the root mean
+    /// square of the axes with noise.
     pub noise: f64,
-    /// Standard deviation in mean edge lengths of a mesh, or mean neighbor distances of a cloud.
+    /// Standard deviation in mean edge lengths of a mesh or of the denoised curve, or mean neighbor distances of a cloud.
     pub noise_in_edges: f64,
     /// Weight of the unchanged normals in the result; 1 if the walks have nothing to do.
     pub kept: f64,
@@ -202,8 +203,8 @@ pub struct DenoiseInfo {
     pub smooth_weights: Vec<f64>,
     /// Number of triangles, or points of a cloud, on which the risk was estimated.
     pub n_sampled: usize,
-    /// Number of vertices that would have moved further than three times the assumed noise; those of a mesh were
-    /// stopped there.
+    /// Number of vertices that would have moved further than three times the assumed noise; those of a mesh or curve
+    /// were stopped there.
     pub n_far: usize,
     /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
@@ -213,6 +214,9 @@ pub struct DenoiseInfo {
     /// Noise and treatment of a cloud; `None` for meshes and curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<CloudDenoising>,
+    /// Noise of a curve by axis, and its length; `None` for meshes and clouds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<CurveDenoising>,
 }
 
 impl DenoiseInfo {
@@ -280,6 +284,17 @@ pub struct CloudDenoising {
     /// Noise larger than about half the distance of the points, if most places have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strong: Option<StrongNoise>,
+}
+
+/// Noise of a curve along each axis, and its length. Lengths are in model units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurveDenoising {
+    /// Standard deviation along x, y and z; equal where no difference is found, 0 for an exact axis.
+    pub noise_by_axis: [f64; 3],
+    /// Step to which the coordinates along each axis are rounded; 0 if none is found.
+    pub rounding: [f64; 3],
+    /// Length of the edges before and after. Noise stretches the first.
+    pub length: [f64; 2],
 }
 
 /// Noise of a cloud that is larger than about half the distance of its points. Lengths are in model units.

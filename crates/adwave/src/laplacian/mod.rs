@@ -159,7 +159,7 @@ fn graph_laplacian(
 }
 
 /// Laplacian of a curve, `w(x,y) = 1/‖x−y‖` and `M(x) = ½Σ_y ‖x−y‖`, in the unit of `points`. Along a straight line a
-/// linear function is harmonic, however the vertices are spaced. Lengths that are mostly noise are measured without it.
+/// linear function is harmonic, however the vertices are spaced. Lengths that noise stretches are measured without it.
 fn curve_laplacian(points: &[[f64; 3]], edges: &Adjacency) -> Laplacian {
     let places = places_without_noise(points, edges);
     let lengths = edge_lengths(places.as_deref().unwrap_or(points), edges);

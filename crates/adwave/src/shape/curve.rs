@@ -125,6 +125,13 @@ pub(crate) fn edge_lengths(points: &[[f64; 3]], edges: &Adjacency) -> Vec<f64> {
 /// Share of noise in the mean squared edge length from which the lengths are mostly noise.
 const NOISY: f64 = 0.6;
 
+/// Share of noise in the mean squared edge length up to which it hardly changes the length.
+const SLIGHT: f64 = 0.05;
+
+/// Length of a curve relative to that without noise, above which noise stretches it. Uneven spacing along a curve looks
+/// like noise, but does not stretch it.
+const STRETCHED: f64 = 1.03;
+
 /// Range of the ratio of the noise that fourth differences suggest to the noise that second differences suggest, for
 /// independent noise; a regular zigzag has 1.37.
 const INDEPENDENT: std::ops::RangeInclusive<f64> = 0.88..=1.2;
@@ -138,9 +145,9 @@ const LEFT: f64 = 0.05;
 /// Largest number of passes of smoothing.
 const MOST_PASSES: usize = 1 << 12;
 
-/// Positions of a curve without the noise that makes up most of the length of its edges; `None` if noise does not. If
-/// the positions of a track scatter by more than the way between them, its length measures the noise instead of the
-/// way.
+/// Positions of a curve without the noise that stretches its edges; `None` if noise does not. If the positions of a
+/// track scatter by half the way between them, its length is a third longer than the way; if they scatter by more, it
+/// measures the noise.
 ///
 /// The noise is that of the second and fourth differences along the curve, which agree if it is independent between
 /// vertices. Passes with weights ¼, ½, ¼ leave `σ²/(2√π(m/2)^1.5)` of the squared difference of the noise between
@@ -169,10 +176,8 @@ pub(crate) fn places_without_noise(points: &[[f64; 3]], edges: &Adjacency) -> Op
         sum / edges.nnz().max(1) as f64
     };
     let variance = squares[1] / n.max(1) as f64;
-    if n < FEWEST
-        || 2.0 * variance <= NOISY * mean_square(points)
-        || !INDEPENDENT.contains(&(squares[1] / squares[0]))
-    {
+    let share = 2.0 * variance / mean_square(points);
+    if n < FEWEST || share.is_nan() || share <= SLIGHT || !INDEPENDENT.contains(&(squares[1] / squares[0])) {
         return None;
     }
     let mut places = points.to_vec();
@@ -193,7 +198,11 @@ pub(crate) fn places_without_noise(points: &[[f64; 3]], edges: &Adjacency) -> Op
         }
         next *= 2;
     }
-    Some(places)
+    let length = |points: &[[f64; 3]]| {
+        let of_row = |x: usize| edges.row(x).iter().map(move |&y| (x, y as usize));
+        (0..points.len()).flat_map(of_row).map(|(x, y)| distance(&points[x], &points[y])).sum::<f64>()
+    };
+    (share > NOISY || length(points) > STRETCHED * length(&places)).then_some(places)
 }
 
 /// Total length of the distinct edges of a graph whose nodes are at `points`, in their unit. Loops have length 0.

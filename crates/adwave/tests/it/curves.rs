@@ -498,3 +498,27 @@ fn zigzags_and_clean_tracks_keep_their_lengths() {
         assert!((length / path - 1.0).abs() < 1e-9, "{length} of {path}");
     }
 }
+
+#[test]
+fn noise_does_not_stretch_a_curve() {
+    for seed in 0..3 {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut deviate = || -> f64 { StandardNormal.sample(&mut random) };
+        // Steps of 0.4 to 1.6: uneven spacing alone changes no length.
+        let mut t = 0.0;
+        let truth: Vec<Point> = (0..600)
+            .map(|_| {
+                t += 1.0 + 0.6 * deviate().clamp(-1.0, 1.0);
+                [t, 40.0 * (t / 60.0).sin(), 10.0 * (t / 100.0).cos()]
+            })
+            .collect();
+        let way = curve_length(&Graph::curve(truth.clone(), &path_edges(600)).unwrap(), &truth);
+        for noise in [0.0, 0.05, 0.2, 0.35, 0.5] {
+            let noisy: Vec<Point> = truth.iter().map(|p| p.map(|c| c + noise * deviate())).collect();
+            let shape = curve(&noisy, &path_edges(600));
+            let length: f64 = Decomposer::new(&shape).areas().iter().sum();
+            let limit = if noise == 0.0 { 1e-9 } else { 0.04 };
+            assert!((length / way - 1.0).abs() < limit, "noise {noise}: {length} of {way}");
+        }
+    }
+}

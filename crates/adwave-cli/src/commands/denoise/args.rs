@@ -26,8 +26,8 @@ No vertex moves farther than three times the noise found at its place, except th
 Points of a cloud move onto planes and quadrics fitted to their neighbors, by the noise found at their place and never farther than
 three times that. Where a fit would do harm, and where points form lines, volumes or nothing, they stay; the result says how many.
 Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the
-file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces: ends stay where
-they are, and corners stay sharp. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
+file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces, by the noise
+found along each axis: ends stay where they are, and corners stay sharp. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
 poisson noise, speckle is multiplicative, and magnitudes of MRI are rician: their bias is removed too. Results have no bias from the transform of the values. The result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
 

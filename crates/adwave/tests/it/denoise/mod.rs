@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod clouds;
+mod curves;
 mod kinds;
 mod laws;
 mod parts;
