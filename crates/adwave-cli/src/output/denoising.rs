@@ -155,6 +155,15 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
             number(low),
             number(high)
         );
+        let [least, most] = cloud.noise_interval;
+        if least < most {
+            let _ = writeln!(
+                text,
+                "true noise: {} to {} in 9 of 10 generated clouds with such an estimate",
+                number(least),
+                number(most)
+            );
+        }
     }
     if cloud.neighbors > DenoiseChoice::NEIGHBORS {
         let _ = writeln!(

@@ -112,7 +112,8 @@ impl TilingJob {
             mesh.shared *= unit;
             mesh.noise_range = mesh.noise_range.map(|level| level * unit);
         }
-        Ok(DenoiseInfo { noise: info.noise * unit, n_far: n_far as usize, furthest, ..info })
+        let cloud = info.cloud.take().map(|cloud| cloud.in_units(unit));
+        Ok(DenoiseInfo { noise: info.noise * unit, cloud, n_far: n_far as usize, furthest, ..info })
     }
 
     /// Features of all tiles from fine to coarse, the strongest of each level first. `vertex` is for a mesh the index

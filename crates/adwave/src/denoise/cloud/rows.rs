@@ -19,15 +19,20 @@ const UNIT_NEIGHBORS: usize = 12;
 const MOST_WIDE: usize = 16;
 
 /// Number of places where lines are looked for, the share of them that must be in lines, and the share of those that
-/// may be so still when neighbors are drawn from more points.
+/// may be so still when neighbors are drawn from more points; if more are even at the most, they are no scan lines.
 const PLACES: usize = 2000;
 const LEAST_LINES: f64 = 0.1;
 const FEW_LINES: f64 = 0.1;
+const MANY_LINES: f64 = 0.5;
+
+/// Largest ratio of the second to the largest variance of the drawn nearest 8 that are too much of a line.
+const DRAWN_RATIO: f64 = 0.3;
 
 /// Largest ratio of the variance of a neighborhood along its normal to that along its shorter side.
 const FLAT: f64 = 0.1;
 
-/// Largest ratio of the variance across a line with noise to that along it, and largest cosines between the normal of
+/// Largest ratio of the variance across a line with noise to that along it, and of that along the normal of the surface
+/// to that along its shorter side; largest cosines between the normal of
 /// the 32 nearest points and those of the 8 nearest: their normal, and their line.
 const FENCE: f64 = 0.35;
 const FENCE_TURN: f64 = 0.7;
@@ -51,11 +56,12 @@ impl NearestRows {
         most: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let lines = match most > NEIGHBORS {
-            true => parallel::try_collect(points.len(), progress, |x| {
+        let lines = if most > NEIGHBORS {
+            parallel::try_collect(points.len(), progress, |x| {
                 line_sizes(points, x, &nearest(points, neighbors, x, most))
-            })?,
-            false => Vec::new(),
+            })?
+        } else {
+            Vec::new()
         };
         let rows = parallel::try_collect(points.len(), progress, |x| {
             let row = nearest(points, neighbors, x, most);
@@ -118,9 +124,13 @@ fn is_line(points: &[Vector], x: usize, row: &[u32], one_in: usize) -> bool {
     let (few, many) = (frame(FIT_SIZES[0]), frame(FIT_SIZES[2]));
     let is_within = |axis: usize, limit: f64| dot(&few.axes[axis], &many.axes[0]).abs() < limit;
     let [least, middle, most] = many.variances;
-    few.variances[1] < LINE_RATIO * few.variances[2]
+    let is_fence = few.variances[1] < FENCE * few.variances[2]
+        && least < FENCE * middle
+        && is_within(0, FENCE_TURN)
+        && is_within(2, ALONG);
+    few.variances[1] < if one_in > 1 { DRAWN_RATIO } else { LINE_RATIO } * few.variances[2]
         || middle < LINE_RATIO * most
-        || (few.variances[1] < FENCE * few.variances[2] && is_within(0, FENCE_TURN) && is_within(2, ALONG))
+        || is_fence
         || (one_in > 1 && least > FLAT * middle)
 }
 
@@ -134,18 +144,16 @@ fn draws(row: &[u32]) -> impl Iterator<Item = u32> {
     (0..=MOST_WIDE.ilog2()).filter(move |i| NEIGHBORS << i <= row.len().next_multiple_of(NEIGHBORS))
 }
 
-/// The neighbors of `x`: the nearest of `row`, or if a third of the points around lie in lines, a random one of each 2, 4, 8 or 16
-/// that follow each other by distance; as few as suffice for the drawn to span a surface.
+/// The neighbors of `x`: the nearest of `row`, or if a third of the points around lie in lines, a random one of each 2,
+/// 4, 8 or 16 that follow each other by distance; as few as suffice for the drawn to span a surface.
 fn drawn(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
     let around = &row[..row.len().min(NEIGHBORS)];
     let is_in_lines = |i: u32| {
         let n = around.iter().filter(|&&y| lines[y as usize] >> i & 1 == 1).count();
         LINE_PART * n > around.len()
     };
-    let wide = match lines.is_empty() {
-        true => 0,
-        false => draws(&row).find(|&i| !is_in_lines(i)).unwrap_or(0),
-    };
+    let spanning = draws(&row).find(|&i| !lines.is_empty() && !is_in_lines(i));
+    let wide = spanning.unwrap_or(0);
     if wide > 0 {
         let bits = points[x].iter().fold(0, |bits, c| scrambled(bits ^ c.to_bits()));
         let of = |(i, few): (usize, &[u32])| match i {
@@ -166,10 +174,8 @@ pub(in crate::denoise) fn rows_across_lines(
     progress: Progress<'_>,
 ) -> Result<(NearestRows, usize), Cancelled> {
     let n = points.len();
-    let places: Vec<usize> = match n > PLACES {
-        true => (0..PLACES).map(|i| (scrambled(i as u64) % n as u64) as usize).collect(),
-        false => (0..n).collect(),
-    };
+    let place = |i: usize| if n > PLACES { (scrambled(i as u64) % n as u64) as usize } else { i };
+    let places: Vec<usize> = (0..PLACES.min(n)).map(place).collect();
     let in_lines = |near: &Adjacency, wide: usize| {
         let few = FIT_SIZES[2] * wide;
         parallel::try_collect(places.len(), progress, |i| {
@@ -188,5 +194,6 @@ pub(in crate::denoise) fn rows_across_lines(
         near = search(NEIGHBORS * wide)?;
         left = share(&in_lines(&near.adjacency, wide)?);
     }
-    Ok((NearestRows::new(points, &near.adjacency, NEIGHBORS * wide, progress)?, NEIGHBORS * wide))
+    let most = if left > MANY_LINES * first { NEIGHBORS } else { NEIGHBORS * wide };
+    Ok((NearestRows::new(points, &near.adjacency, most, progress)?, most))
 }

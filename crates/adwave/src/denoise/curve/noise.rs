@@ -81,7 +81,9 @@ impl CurveNoise {
         let alike = |a: &usize, b: &usize| self.deviations[*b] <= ALIKE * self.deviations[*a];
         let group = |axes: &[usize]| {
             let mut precisions = [0.0; 3];
-            axes.iter().for_each(|&a| precisions[a] = 1.0 / self.deviations[a]);
+            for &a in axes {
+                precisions[a] = 1.0 / self.deviations[a];
+            }
             AxisGroup { precisions, n_axes: self.n_directions.min(axes.len() as f64) }
         };
         axes.chunk_by(alike).map(group).collect()

@@ -204,3 +204,38 @@ fn thin_walls_are_not_taken_for_strong_noise() {
         }
     }
 }
+
+#[test]
+fn noise_of_scan_lines_is_found_and_removed() {
+    for apart in [5.0, 8.0, 15.0] {
+        for noise in [0.05, 0.3, 1.0] {
+            let mut random = Deviates(23);
+            let lines: Vec<[f64; 3]> = (0..24 * 300)
+                .map(|i| {
+                    let along = f64::from(i % 300) + 0.4 * random.uniform();
+                    [along, apart * f64::from(i / 300), noise * random.normal()]
+                })
+                .collect();
+            let n = lines.len() as f64;
+            let result = denoised(&cloud(lines), &defaults());
+            let left = (result.points.iter().map(|p| p[2] * p[2]).sum::<f64>() / n).sqrt() / noise;
+            let found = result.info.noise / noise;
+            println!("{apart}, {noise}: found {found}, left {left}");
+            assert!((0.75..1.33).contains(&found), "{apart}, {noise}: {found}");
+            assert!(left < 0.3, "{apart}, {noise}: {left}");
+            assert!(result.info.cloud.unwrap().neighbors > 48);
+        }
+    }
+}
+
+#[test]
+fn smooth_parts_keep_a_fifth_of_weak_noise() {
+    for noise in [0.1, 0.3] {
+        let (points, spacing) = sphere(10_000, noise, &mut Deviates(29));
+        let result = denoised(&cloud(points), &defaults());
+        let off = |p: &[f64; 3]| (p.iter().map(|c| c * c).sum::<f64>().sqrt() - 1.0).powi(2);
+        let left = (result.points.iter().map(off).sum::<f64>() / 1e4).sqrt() / (noise * spacing);
+        println!("{noise}: left {left}");
+        assert!(left < 0.2, "{noise}: {left}");
+    }
+}

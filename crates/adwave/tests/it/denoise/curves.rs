@@ -31,7 +31,7 @@ fn noisy(points: &[Point], sigma: Point, seed: u64) -> Vec<Point> {
 
 fn smooth(points: &[Point]) -> (Vec<Point>, DenoiseInfo, CurveDenoising) {
     let found = denoised(&path(points), &DenoiseParams::default());
-    let curve = found.info.curve.clone().unwrap();
+    let curve = found.info.curve.unwrap();
     (found.points, found.info, curve)
 }
 
@@ -118,7 +118,9 @@ fn rounded_heights_are_not_taken_for_exact_ones() {
     for sigma in [0.0, 0.5] {
         let truth = track();
         let mut points = noisy(&truth, [sigma, sigma, 0.0], 3);
-        points.iter_mut().for_each(|p| p[2] = p[2].round());
+        for p in &mut points {
+            p[2] = p[2].round();
+        }
         let (after, _, curve) = smooth(&points);
         assert_eq!(curve.rounding, [0.0, 0.0, 1.0]);
         assert!(curve.noise_by_axis[2] >= 12.0_f64.sqrt().recip() * (1.0 - 1e-9), "{curve:?}");
