@@ -69,7 +69,7 @@ impl Sensor {
             Self::Images | Self::TwoPasses => Hits::everywhere(&soup, n, &mut random),
         };
         let (points, is_outlier) = hits.with_noise(self, &mut random);
-        let position = |(ray, range, _): &(Ray, f64, [f64; 3])| hits.at(ray, *range);
+        let position = |(ray, range, _): &(Ray, f64, [f64; 3])| hits.position(ray, *range);
         let (dense, dense_normals) = scatter(&soup, 16 * n, &mut random);
         let mut clean = CleanCloud {
             points: hits.hits.iter().map(position).collect(),
@@ -125,13 +125,14 @@ impl Hits {
         Self { sensor: [0.0; 3], hits: points.iter().zip(&normals).enumerate().map(hit).collect() }
     }
 
-    fn at(&self, ray: &Ray, range: f64) -> [f64; 3] {
+    fn position(&self, ray: &Ray, range: f64) -> [f64; 3] {
         std::array::from_fn(|k| self.sensor[k] + range * ray.0[k])
     }
 
     /// Positions with the noise of a sensor, and which of them are outliers.
     fn with_noise(&self, sensor: Sensor, random: &mut Random) -> (Vec<[f64; 3]>, Vec<bool>) {
-        let clean: Vec<[f64; 3]> = self.hits.iter().map(|(ray, range, _)| self.at(ray, *range)).collect();
+        let clean: Vec<[f64; 3]> =
+            self.hits.iter().map(|(ray, range, _)| self.position(ray, *range)).collect();
         let spacing = mean_spacing(&clean);
         let mean = self.hits.iter().map(|hit| hit.1).sum::<f64>() / self.hits.len() as f64;
         let waves: Vec<([f64; 3], f64)> = (0..24)
@@ -178,7 +179,7 @@ impl Hits {
                     let side = if sensor == Sensor::TwoPasses && x % 2 == 1 { 1.5 * spacing } else { 0.0 };
                     std::array::from_fn(|k| clean[x][k] + (range - 1.0 + side) * normal[k])
                 }
-                _ => self.at(ray, range),
+                _ => self.position(ray, range),
             };
             if sensor == Sensor::Images && x % 25 == 0 {
                 is_outlier[x] = true;

@@ -65,7 +65,7 @@ impl NearestRows {
         };
         let rows = parallel::try_collect(points.len(), progress, |x| {
             let row = nearest(points, neighbors, x, most);
-            drawn(points, x, row, &lines)
+            draw_row(points, x, row, &lines)
         })?;
         let mut starts = Vec::with_capacity(rows.len() + 1);
         let mut names = Vec::with_capacity(rows.iter().map(Vec::len).sum());
@@ -146,7 +146,7 @@ fn draws(row: &[u32]) -> impl Iterator<Item = u32> {
 
 /// The neighbors of `x`: the nearest of `row`, or if a third of the points around lie in lines, a random one of each 2,
 /// 4, 8 or 16 that follow each other by distance; as few as suffice for the drawn to span a surface.
-fn drawn(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
+fn draw_row(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
     let around = &row[..row.len().min(NEIGHBORS)];
     let is_in_lines = |i: u32| {
         let n = around.iter().filter(|&&y| lines[y as usize] >> i & 1 == 1).count();

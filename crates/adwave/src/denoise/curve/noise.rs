@@ -113,7 +113,7 @@ pub(super) fn noise_of(
     let n_directions = by_order.first().map_or(3.0, |all| rank(&apart(all)));
     let across = noise_across(&by_length);
     let parameter =
-        if along_excess(&by_order, &across) <= EVEN { Parameter::Order } else { Parameter::Length };
+        if excess_along(&by_order, &across) <= EVEN { Parameter::Order } else { Parameter::Length };
     let (pooled, by_axis, n) = match parameter {
         Parameter::Order => {
             let pooled =
@@ -181,7 +181,7 @@ fn noise_across(by_length: &[Vec<Residual>]) -> [f64; 3] {
 }
 
 /// Noise along the curve, relative to what the noise along the axes explains: more than 1 if the spacing is uneven.
-fn along_excess(by_order: &[Vec<Residual>], noise: &[f64; 3]) -> f64 {
+fn excess_along(by_order: &[Vec<Residual>], noise: &[f64; 3]) -> f64 {
     let least_expected = HARMLESS * root_mean_square(&noise[..]);
     let relative = |r: &Residual| {
         let expected = (0..3).map(|a| (r.along[a] * noise[a]).powi(2)).sum::<f64>().sqrt();
