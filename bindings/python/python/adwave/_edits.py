@@ -547,12 +547,13 @@ class DenoiseResult(NamedTuple):
         ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
         ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
         ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
-        that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the distance
-        of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in 9 of 10 generated
-        clouds) and ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan lines). For a curve ``noise_by_axis`` (the noise along x, y and z,
-        whose root mean square is ``noise``; ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to
-        which each coordinate is rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``,
-        ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
+        that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the
+        distance of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in
+        9 of 10 generated clouds) and ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan
+        lines). For a curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
+        ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to which each coordinate is
+        rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``, ``step_weights``
+        and ``risk`` (expected squared error before and after), for each group of ``channels``.
 
     Examples
     --------

@@ -12,7 +12,7 @@ use crate::shape::{Adjacency, Neighborhoods};
 use crate::vector::{Vector, dot, subtract};
 use crate::{Cancelled, Progress, parallel};
 
-/// Number of nearest neighbors whose mean distance is the unit of reported noise.
+/// Number of nearest neighbors, of those that are drawn in lines, whose mean distance is the unit of reported noise.
 const UNIT_NEIGHBORS: usize = 12;
 
 /// Largest number of nearest points, in multiples of [`NEIGHBORS`], from which neighbors are drawn.
@@ -31,14 +31,14 @@ const DRAWN_RATIO: f64 = 0.3;
 /// Largest ratio of the variance of a neighborhood along its normal to that along its shorter side.
 const FLAT: f64 = 0.1;
 
-/// Largest ratio of the variance across a line with noise to that along it, and of that along the normal of the surface
-/// to that along its shorter side; largest cosines between the normal of
-/// the 32 nearest points and those of the 8 nearest: their normal, and their line.
+/// A fence: a line of points with noise, whose nearest 8 lie in a plane upright on the surface. Largest ratio of the
+/// middle to the largest variance of these 8, and of the least to the middle variance of the nearest 32; largest cosines
+/// between the normal of the 32 and the normal of the 8, and between the normal of the 32 and the line.
 const FENCE: f64 = 0.35;
 const FENCE_TURN: f64 = 0.7;
 const ALONG: f64 = 0.35;
 
-/// Part of the points around that must be in lines.
+/// A place is in lines if one in so many of the points around it is.
 const LINE_PART: usize = 3;
 
 /// Neighbors of each point in the order of their distances.
@@ -77,7 +77,7 @@ impl NearestRows {
         Ok(Self { names, starts })
     }
 
-    /// A length in mean distances to the 12 nearest neighbors; 0 if all points coincide.
+    /// A length in mean distances to the 12 nearest neighbors of the rows; 0 if all points coincide.
     pub(in crate::denoise) fn in_mean_distances(
         &self,
         points: &[Vector],

@@ -48,7 +48,8 @@ fn lattice_step(mut values: Vec<f64>) -> f64 {
     if !gaps.is_empty() && gaps.iter().all(is_multiple) { step } else { 0.0 }
 }
 
-/// Whether the coordinate along an axis changes by single steps between equal values, or bends by a step at many vertices.
+/// True if the coordinate along an axis changes by single steps between equal values, or bends by a step at many
+/// vertices.
 fn is_rounded(chains: &[Chain], points: &[[f64; 3]], axis: usize, step: f64) -> bool {
     let (mut n_changes, mut n_continued) = (0_usize, 0_usize);
     let (mut n_vertices, mut n_bends, mut n_small) = (0_usize, 0_usize, 0_usize);
