@@ -291,6 +291,7 @@ fn denoise_points<'py>(
     found.set_item("smooth_weights", info.smooth_weights.clone())?;
     found.set_item("n_far", info.n_far)?;
     found.set_item("furthest", info.furthest)?;
+    found.set_item("noise_map", arrays::vector(py, denoised.noise))?;
     if let Some(mesh) = &info.mesh {
         found.set_item("impulse_share", mesh.impulse_share)?;
         found.set_item("impulse_size", mesh.impulse_size)?;

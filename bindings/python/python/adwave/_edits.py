@@ -541,7 +541,8 @@ class DenoiseResult(NamedTuple):
         shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
         unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
         creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
-        where those of a mesh stop, and the largest distance). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
+        where those of a mesh stop, and the largest distance) and ``noise_map`` (the noise at each vertex, in model units: no
+        vertex moves farther than 3 times it, impulses aside). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
         over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
         where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
         ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),

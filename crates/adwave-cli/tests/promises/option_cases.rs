@@ -161,6 +161,7 @@ const CASES: &[OptionCase] = &[
     case("denoise", "--creases", "none"),
     case("denoise", "--noise-sigma", "0.03"),
     case("denoise", "--shared-noise", "auto"),
+    case("denoise", "--noise-map", ""),
     with(case("denoise", "--noise-model", "poisson"), "--signal gaze"),
     // transform
     case("transform", "--basis", "irregular"),

@@ -19,6 +19,7 @@ use crate::Progress;
 use crate::bands::FixedSeries;
 use crate::shape::{Adjacency, PreparedGeometry};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Global quantities of [`denoise`](super::denoise): the noise level, the weights of the mixture, and the medians
 /// that scale the walks.
@@ -187,7 +188,13 @@ impl DenoiseChoice {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
-        let near = cloud::NearestRows::new(points, neighbors, self.neighbors(), progress)?;
+        let near = cloud::NearestRows::new(
+            points,
+            neighbors,
+            self.neighbors(),
+            |_, _| Ok(Cow::Borrowed(neighbors)),
+            progress,
+        )?;
         let strong = self.info.cloud.as_ref().and_then(|found| found.strong.as_ref());
         let noise = cloud::CloudNoise::new(points, &near, self.params.noise, strong, progress)?;
         Ok(cloud::denoise_points(points, &near, &noise, self.info.noise, &self.params, progress)?.points)

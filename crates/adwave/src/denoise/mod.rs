@@ -126,13 +126,13 @@ pub fn denoise(
     }
     if let Some(members) = geometry.members(progress)? {
         // Random numbers are drawn in the order of the points, which the others must not change.
-        let Denoised { points, outliers, info } = denoise(&members.geometry, params, progress)?;
-        let mut all = original.to_vec();
-        for (&vertex, point) in members.vertices.iter().zip(points) {
-            all[vertex as usize] = point;
+        let Denoised { points, outliers, noise, info } = denoise(&members.geometry, params, progress)?;
+        let (mut all, mut all_noise) = (original.to_vec(), vec![0.0; original.len()]);
+        for (&vertex, (point, noise)) in members.vertices.iter().zip(points.into_iter().zip(noise)) {
+            (all[vertex as usize], all_noise[vertex as usize]) = (point, noise);
         }
         let outliers = outliers.into_iter().map(|x| members.vertices[x as usize]).collect();
-        return Ok(Denoised { points: all, outliers, info });
+        return Ok(Denoised { points: all, outliers, noise: all_noise, info });
     }
     if geometry.shape().is_cloud() {
         return denoise_cloud(geometry, original, params, progress);
@@ -155,7 +155,8 @@ pub fn denoise(
             None => prepared_points(&surface, repaired, &info, progress)?,
         };
     }
-    let most = surface.most_moved(repaired, law.total() * params.strength.max(1.0), progress)?;
+    let strength = params.strength.max(1.0);
+    let most = surface.most_moved(repaired, law.total() * strength, progress)?;
     let is_stopped = stop_far_moves(&mut moved, repaired, &most);
     info.n_far = is_stopped.into_iter().filter(|is| *is).count();
     let moves = parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]))?;
@@ -163,8 +164,9 @@ pub fn denoise(
     info.furthest = moves.iter().map(norm).fold(0.0, f64::max) * unit;
     let points =
         original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
+    let noise: Vec<f64> = most.into_iter().map(|most| most / (FAR * strength) * unit).collect();
     progress.step(STAGES, STAGES)?;
-    Ok(Denoised { points, outliers: Vec::new(), info })
+    Ok(Denoised { points, outliers: Vec::new(), noise: geometry.vertex_map().scatter(&noise, 1), info })
 }
 
 /// Shortens moves that are longer than `most` at their points. Returns whether each is.
@@ -190,7 +192,7 @@ fn denoise_cloud(
 ) -> Result<Denoised, DenoiseError> {
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
-    let search = |k| geometry.nearest(&points, k, progress);
+    let search = |k, is_wanted: &[bool]| geometry.nearest_of(&points, k, |x| is_wanted[x], progress);
     let (near, neighbors) = cloud::rows_across_lines(&points, search, progress)?;
     progress.step(1, STAGES)?;
     let given = params.noise.map(|s| s / unit);
@@ -226,8 +228,9 @@ fn denoise_cloud(
     let points =
         original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
     let outliers = (0..original.len()).filter(|&x| is_outlier[map.welded(x)]).map(|x| x as u32).collect();
+    let noise = map.scatter(&noise.noise_at_points(unit), 1);
     progress.step(STAGES, STAGES)?;
-    Ok(Denoised { points, outliers, info })
+    Ok(Denoised { points, outliers, noise, info })
 }
 
 /// The surface of a shape with positions `points`.

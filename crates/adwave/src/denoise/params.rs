@@ -342,6 +342,11 @@ pub struct Denoised {
     pub points: Vec<[f64; 3]>,
     /// Outliers of a cloud, ascending.
     pub outliers: Vec<u32>,
+    /// Standard deviation of the noise at each vertex, in model units: along the normals of a mesh or cloud, the root of
+    /// the sum of the squares along the axes of a curve; 0 for vertices that take no part. No vertex moves farther than
+    /// three times its noise (times the strength, if that is above 1), except those that impulses moved and outliers
+    /// that are pulled.
+    pub noise: Vec<f64>,
     /// Assumed noise, and the operations applied.
     pub info: DenoiseInfo,
 }

@@ -5,7 +5,7 @@
 //! their place and have no neighbors. The *extent* of a shape is the diagonal of the bounding box of its largest part,
 //! so that it does not depend on the layout of the parts either.
 
-use super::{DisjointSets, Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
+use super::{DisjointSets, Neighborhoods, Polygons, box_diagonal, distance, nearest_of_wanted};
 use crate::pages::zeros;
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress, parallel};
@@ -226,7 +226,7 @@ impl Participation {
         let mut roles = vec![VertexRole::Member; points.len()];
         mark_placeholders(points, &mut roles, OriginRule::Placeholder);
         let found = Self { roles: roles.clone(), parts: Vec::new(), n_parts: 0 };
-        let near = found.nearest(points, STRAY_NEIGHBORS, progress)?;
+        let near = found.nearest(points, STRAY_NEIGHBORS, |_| true, progress)?;
         let reach = |x: u32, found: &mut Vec<u32>| {
             let gap = |y: u32| distance(&points[x as usize], &points[y as usize]);
             let row = near.adjacency.row(x as usize).iter();
@@ -257,7 +257,8 @@ impl Participation {
             }
         }
         let this = Self::new(roles, sets);
-        let near = if n_strays == 0 { near } else { this.nearest(points, STRAY_NEIGHBORS, progress)? };
+        let near =
+            if n_strays == 0 { near } else { this.nearest(points, STRAY_NEIGHBORS, |_| true, progress)? };
         Ok((this, near))
     }
 
@@ -309,19 +310,21 @@ impl Participation {
         self.roles.iter().any(is_out).then(|| self.roles.iter().map(is_out).collect())
     }
 
-    /// The `k` nearest neighbors among the vertices that take part; none and radius 0 for the others.
+    /// The `k` nearest neighbors, among the vertices that take part, of those that are wanted; none and radius 0 for the
+    /// others.
     pub(crate) fn nearest(
         &self,
         points: &[[f64; 3]],
         k: usize,
+        is_wanted: impl Fn(usize) -> bool + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Neighborhoods, Cancelled> {
         if self.outsiders().is_none() {
-            return try_nearest_neighbors(points, k, progress);
+            return nearest_of_wanted(points, k, is_wanted, progress);
         }
         let members: Vec<u32> = (0..points.len() as u32).filter(|&x| self.is_member(x as usize)).collect();
         let own: Vec<[f64; 3]> = members.iter().map(|&x| points[x as usize]).collect();
-        let near = try_nearest_neighbors(&own, k, progress)?;
+        let near = nearest_of_wanted(&own, k, |i| is_wanted(members[i] as usize), progress)?;
         let (mut offsets, mut columns) = (vec![0_usize; points.len() + 1], Vec::new());
         let mut radius = vec![0.0; points.len()];
         let mut next = 0;

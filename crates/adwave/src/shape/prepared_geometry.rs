@@ -389,11 +389,22 @@ impl PreparedGeometry {
                 return Ok(near);
             }
         }
+        self.nearest_of(points, k, |_| true, progress)
+    }
+
+    /// [`nearest`](Self::nearest) of the points that are wanted; what the others have is open.
+    pub(crate) fn nearest_of(
+        &self,
+        points: &[[f64; 3]],
+        k: usize,
+        is_wanted: impl Fn(usize) -> bool + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Neighborhoods, Cancelled> {
         match &self.given_normals {
             Some(given) if given.are_sheets_apart => {
                 nearest_on_sheet(points, &given.normals, &self.participation, k, progress)
             }
-            _ => self.participation.nearest(points, k, progress),
+            _ => self.participation.nearest(points, k, is_wanted, progress),
         }
     }
 

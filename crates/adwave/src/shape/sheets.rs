@@ -79,7 +79,7 @@ pub(super) fn nearest_on_sheet(
     k: usize,
     progress: Progress<'_>,
 ) -> Result<Neighborhoods, Cancelled> {
-    let near = participation.nearest(points, SEARCHED.saturating_mul(k), progress)?;
+    let near = participation.nearest(points, SEARCHED.saturating_mul(k), |_| true, progress)?;
     let rows: Vec<(Vec<u32>, f64)> = parallel::try_collect(points.len(), progress, |x| {
         let own = near.adjacency.row(x).iter().copied();
         let on_sheet = own.filter(|&y| dot(&normals[x], &normals[y as usize]) >= OPPOSITE);

@@ -44,6 +44,7 @@ Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise tile.obj -o clean.obj --border keep
   adwave denoise lidar.laz -o clean.laz --only classification=2,9
+  adwave denoise scan.obj -o clean.ply --noise-map
   adwave denoise scan.laz -o clean.laz --outliers drop
   adwave denoise volume.nii.gz -o clean.nii.gz
   adwave denoise track.obj -o clean.obj
@@ -91,6 +92,9 @@ pub(crate) struct DenoiseArgs {
     /// --noise-model poisson that of a value of 1, with multiplicative relative to the value [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
     pub(crate) noise_sigma: Option<f64>,
+    /// Write the noise at each vertex, in model units, as the field "noise" too: no vertex moves farther than 3 times it
+    #[arg(long, help_heading = "Noise")]
+    pub(crate) noise_map: bool,
     /// Region in which noise is removed; several are joined by "or" ('adwave region' shows them) [default: everywhere]
     #[arg(long, value_name = "REGION", value_parser = region)]
     pub(crate) region: Vec<Region>,

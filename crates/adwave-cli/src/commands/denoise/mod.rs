@@ -9,6 +9,7 @@ use crate::global::Global;
 use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_fit};
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
+use crate::output::values_file::{holds_fields, unsuitable_format};
 use crate::output::{count, number, print};
 use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
@@ -23,9 +24,13 @@ use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
 use adwave::signal::find_close_sheets;
+use adwave_io::{Field, FieldValues};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
 use std::fmt::Write;
+
+/// Field with the noise at each vertex.
+const NOISE_FIELD: &str = "noise";
 
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     let result = ResultFile::new(&args.output)?;
@@ -56,6 +61,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
         global
             .given
             .refuse(&["--outliers", "--shared-noise"], "applies to positions, and the signal is a field")?;
+        global.given.refuse(&["--noise-map"], "applies to positions; the noise of a field is printed")?;
         denoise_field(input, result, args, global)
     }
 }
@@ -74,6 +80,9 @@ fn denoise_positions(
             "--outliers applies to clouds, and {} has faces or edges; leave it out",
             input.name
         )));
+    }
+    if args.noise_map && !holds_fields(result.path()) {
+        return Err(unsuitable_format(result.path(), "positions and their noise are", &[]));
     }
     if !input.shape.is_mesh() {
         global.given.refuse(&["--shared-noise"], "applies to meshes")?;
@@ -106,6 +115,9 @@ fn denoise_positions(
     }
     let movement = Movement::measure(&geometry, &moved)?.in_file_rows(&input.file);
     let n_vertices = input.shape.n_vertices();
+    if args.noise_map {
+        input.file.add_vertex_field(Field::new(NOISE_FIELD, 1, FieldValues::F64(denoised.noise)))?;
+    }
     if args.outliers == Outliers::Drop && !denoised.outliers.is_empty() {
         let is_kept = |x: &u32| denoised.outliers.binary_search(x).is_err();
         let kept: Vec<u32> = (0..n_vertices as u32).filter(is_kept).collect();

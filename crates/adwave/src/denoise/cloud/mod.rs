@@ -148,6 +148,11 @@ impl CloudNoise {
         let interval = factors.map(|factor| factor * typical);
         Ok(Self { typical, interval, by_point, residuals, patches, is_strong: strong.is_some() })
     }
+
+    /// Standard deviation of the noise at each point, times `unit`.
+    pub(super) fn noise_at_points(&self, unit: f64) -> Vec<f64> {
+        self.by_point.iter().map(|level| CAUTION * level * unit).collect()
+    }
 }
 
 /// New positions of a cloud, its outliers, and information about the fits.

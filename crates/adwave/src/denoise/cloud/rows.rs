@@ -11,6 +11,7 @@ use super::{FIT_SIZES, LINE_RATIO, NEIGHBORS};
 use crate::shape::{Adjacency, Neighborhoods};
 use crate::vector::{Vector, dot, subtract};
 use crate::{Cancelled, Progress, parallel};
+use std::borrow::Cow;
 
 /// Number of nearest neighbors, of those that are drawn in lines, whose mean distance is the unit of reported noise.
 const UNIT_NEIGHBORS: usize = 12;
@@ -42,39 +43,53 @@ const ALONG: f64 = 0.35;
 const LINE_PART: usize = 3;
 
 /// Neighbors of each point in the order of their distances.
-pub(in crate::denoise) struct NearestRows {
-    names: Vec<u32>,
-    starts: Vec<usize>,
-}
+pub(in crate::denoise) struct NearestRows(Adjacency);
 
 impl NearestRows {
-    /// At most [`NEIGHBORS`] of the listed neighbors: the nearest, and at equal distances those with the smaller index,
-    /// or where points lie in lines, some of the `most` nearest.
-    pub(in crate::denoise) fn new(
+    /// At most [`NEIGHBORS`] of the neighbors in `near`: the nearest, and at equal distances those with the smaller
+    /// index. Where a third of the points around lie in lines, a random one of each 2, 4, 8 or 16 of the nearest `most`
+    /// that follow each other by distance; as few as suffice for the drawn to span a surface. `search` finds at least
+    /// as many nearest points as it is told, of the points with a flag.
+    pub(in crate::denoise) fn new<'a>(
         points: &[Vector],
-        neighbors: &Adjacency,
+        near: &Adjacency,
         most: usize,
+        search: impl Fn(usize, &[bool]) -> Result<Cow<'a, Adjacency>, Cancelled>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let lines = if most > NEIGHBORS {
-            parallel::try_collect(points.len(), progress, |x| {
-                line_sizes(points, x, &nearest(points, neighbors, x, most))
-            })?
-        } else {
-            Vec::new()
-        };
-        let rows = parallel::try_collect(points.len(), progress, |x| {
-            let row = nearest(points, neighbors, x, most);
-            draw_row(points, x, row, &lines)
-        })?;
-        let mut starts = Vec::with_capacity(rows.len() + 1);
-        let mut names = Vec::with_capacity(rows.iter().map(Vec::len).sum());
-        for row in rows {
-            starts.push(names.len());
-            names.extend(row);
+        let n = points.len();
+        let add_nearest =
+            |(): &mut (), x: usize, row: &mut Vec<u32>| row.extend(nearest(points, near, x, NEIGHBORS));
+        let rows = Adjacency::from_rows(n, progress, || (), add_nearest)?;
+        if most <= NEIGHBORS {
+            return Ok(Self(rows));
         }
-        starts.push(names.len());
-        Ok(Self { names, starts })
+        let (mut is_open, mut drawn) = (vec![true; n], vec![Vec::new(); n]);
+        for i in 0..=(most / NEIGHBORS).ilog2() {
+            let is_wanted = with_neighbors(&rows, &is_open);
+            let near = search(NEIGHBORS << i, &is_wanted)?;
+            let row = |x: usize| nearest(points, &near, x, NEIGHBORS << i);
+            let is_line =
+                parallel::try_collect(n, progress, |x| is_wanted[x] && is_line(points, x, &row(x), 1 << i))?;
+            let found = parallel::try_collect(n, progress, |x| {
+                let row = if is_open[x] { row(x) } else { Vec::new() };
+                if row.len().next_multiple_of(NEIGHBORS) < NEIGHBORS << i {
+                    return Some(Vec::new());
+                }
+                let around = rows.row(x);
+                let n_in_lines = around.iter().filter(|&&y| is_line[y as usize]).count();
+                (LINE_PART * n_in_lines <= around.len()).then(|| draw(&points[x], &row, i))
+            })?;
+            for (x, found) in found.into_iter().enumerate() {
+                if let (true, Some(row)) = (is_open[x], found) {
+                    (is_open[x], drawn[x]) = (false, row);
+                }
+            }
+        }
+        let add_drawn = |(): &mut (), x: usize, row: &mut Vec<u32>| {
+            row.extend(if drawn[x].is_empty() { rows.row(x) } else { &drawn[x] });
+        };
+        Adjacency::from_rows(n, progress, || (), add_drawn).map(Self)
     }
 
     /// A length in mean distances to the 12 nearest neighbors of the rows; 0 if all points coincide.
@@ -93,7 +108,7 @@ impl NearestRows {
     }
 
     pub(super) fn row(&self, x: usize) -> &[u32] {
-        &self.names[self.starts[x]..self.starts[x + 1]]
+        self.0.row(x)
     }
 
     /// Distance to the `k`-th neighbor, or to the last one; 0 without neighbors.
@@ -134,66 +149,56 @@ fn is_line(points: &[Vector], x: usize, row: &[u32], one_in: usize) -> bool {
         || (one_in > 1 && least > FLAT * middle)
 }
 
-/// Bit `i`: the nearest points span no surface if one in 2^i is drawn.
-fn line_sizes(points: &[Vector], x: usize, row: &[u32]) -> u8 {
-    draws(row).fold(0, |bits, i| bits | u8::from(is_line(points, x, row, 1 << i)) << i)
-}
-
-/// The draws, one in 2^i, for which a row has enough points.
-fn draws(row: &[u32]) -> impl Iterator<Item = u32> {
-    (0..=MOST_WIDE.ilog2()).filter(move |i| NEIGHBORS << i <= row.len().next_multiple_of(NEIGHBORS))
-}
-
-/// The neighbors of `x`: the nearest of `row`, or if a third of the points around lie in lines, a random one of each 2,
-/// 4, 8 or 16 that follow each other by distance; as few as suffice for the drawn to span a surface.
-fn draw_row(points: &[Vector], x: usize, mut row: Vec<u32>, lines: &[u8]) -> Vec<u32> {
-    let around = &row[..row.len().min(NEIGHBORS)];
-    let is_in_lines = |i: u32| {
-        let n = around.iter().filter(|&&y| lines[y as usize] >> i & 1 == 1).count();
-        LINE_PART * n > around.len()
+/// A random one of each 2^i points of a row that follow each other; all of them for i = 0.
+fn draw(point: &Vector, row: &[u32], i: u32) -> Vec<u32> {
+    let bits = point.iter().fold(0, |bits, c| scrambled(bits ^ c.to_bits()));
+    let of = |(k, few): (usize, &[u32])| match k {
+        0 => few[0],
+        _ => few[(scrambled(bits ^ k as u64) % few.len() as u64) as usize],
     };
-    let spanning = draws(&row).find(|&i| !lines.is_empty() && !is_in_lines(i));
-    let wide = spanning.unwrap_or(0);
-    if wide > 0 {
-        let bits = points[x].iter().fold(0, |bits, c| scrambled(bits ^ c.to_bits()));
-        let of = |(i, few): (usize, &[u32])| match i {
-            0 => few[0],
-            _ => few[(scrambled(bits ^ i as u64) % few.len() as u64) as usize],
-        };
-        row = row.chunks(1 << wide).enumerate().map(of).collect();
+    row.chunks(1 << i).enumerate().map(of).collect()
+}
+
+/// Flags of the points that have one or are in the row of one.
+fn with_neighbors(rows: &Adjacency, is_open: &[bool]) -> Vec<bool> {
+    let mut is_wanted = is_open.to_vec();
+    for x in (0..is_open.len()).filter(|&x| is_open[x]) {
+        rows.row(x).iter().for_each(|&y| is_wanted[y as usize] = true);
     }
-    row.truncate(NEIGHBORS);
-    row
+    is_wanted
 }
 
 /// The rows of a cloud, and the number of nearest points from which they are drawn: more than [`NEIGHBORS`] where a
-/// tenth of the places are in lines. `search` finds as many nearest points of each point as it is told.
+/// tenth of the places are in lines. `search` finds as many nearest points as it is told, of the points with a flag.
 pub(in crate::denoise) fn rows_across_lines(
     points: &[Vector],
-    search: impl Fn(usize) -> Result<Neighborhoods, Cancelled>,
+    search: impl Fn(usize, &[bool]) -> Result<Neighborhoods, Cancelled>,
     progress: Progress<'_>,
 ) -> Result<(NearestRows, usize), Cancelled> {
     let n = points.len();
     let place = |i: usize| if n > PLACES { (scrambled(i as u64) % n as u64) as usize } else { i };
     let places: Vec<usize> = (0..PLACES.min(n)).map(place).collect();
+    let search = |k: usize, is_wanted: &[bool]| Ok(Cow::Owned(search(k, is_wanted)?.adjacency));
+    let near = search(NEIGHBORS, &vec![true; n])?;
+    let around =
+        parallel::try_collect(places.len(), progress, |i| nearest(points, &near, places[i], NEIGHBORS))?;
     let in_lines = |near: &Adjacency, wide: usize| {
         let few = FIT_SIZES[2] * wide;
         parallel::try_collect(places.len(), progress, |i| {
-            let around = nearest(points, near, places[i], NEIGHBORS);
             let is_in_line =
                 |&&y: &&u32| is_line(points, y as usize, &nearest(points, near, y as usize, few), wide);
-            LINE_PART * around.iter().filter(is_in_line).count() > around.len()
+            LINE_PART * around[i].iter().filter(is_in_line).count() > around[i].len()
         })
     };
     let share = |is: &[bool]| is.iter().filter(|is| **is).count() as f64 / is.len().max(1) as f64;
-    let mut near = search(NEIGHBORS)?;
-    let first = share(&in_lines(&near.adjacency, 1)?);
+    let first = share(&in_lines(&near, 1)?);
     let (mut wide, mut left) = (1, first);
+    let mut is_wanted = vec![false; n];
+    around.iter().flatten().for_each(|&y| is_wanted[y as usize] = true);
     while first >= LEAST_LINES && left > FEW_LINES * first && wide < MOST_WIDE && NEIGHBORS * wide < n {
         wide *= 2;
-        near = search(NEIGHBORS * wide)?;
-        left = share(&in_lines(&near.adjacency, wide)?);
+        left = share(&in_lines(&search(NEIGHBORS * wide, &is_wanted)?, wide)?);
     }
     let most = if left > MANY_LINES * first { NEIGHBORS } else { NEIGHBORS * wide };
-    Ok((NearestRows::new(points, &near.adjacency, most, progress)?, most))
+    Ok((NearestRows::new(points, &near, most, search, progress)?, most))
 }

@@ -83,7 +83,9 @@ pub(super) fn denoise_curve(
         ..DenoiseInfo::default()
     };
     let moved = |(p, d): (&[f64; 3], &[f64; 3])| if *d == [0.0; 3] { *p } else { add_scaled(p, unit, d) };
-    Ok(Denoised { points: original.iter().zip(&moves).map(moved).collect(), outliers: Vec::new(), info })
+    let noise = vec![norm(&found.deviations) * unit; original.len()];
+    let points = original.iter().zip(&moves).map(moved).collect();
+    Ok(Denoised { points, outliers: Vec::new(), noise, info })
 }
 
 /// Shortens a move along each axis to three times the noise there. Returns whether it was longer.

@@ -91,6 +91,16 @@ pub(crate) fn try_nearest_neighbors(
     k: usize,
     progress: Progress<'_>,
 ) -> Result<Neighborhoods, Cancelled> {
+    nearest_of_wanted(points, k, |_| true, progress)
+}
+
+/// [`nearest_neighbors`] of the points that are wanted; none and radius 0 for the others.
+pub(crate) fn nearest_of_wanted(
+    points: &[[f64; 3]],
+    k: usize,
+    is_wanted: impl Fn(usize) -> bool + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<Neighborhoods, Cancelled> {
     let n = points.len();
     let k = k.min(n.saturating_sub(1));
     if k == 0 {
@@ -114,6 +124,9 @@ pub(crate) fn try_nearest_neighbors(
     if is_ordered {
         let radius: Vec<AtomicU64> = (0..n).map(|_| AtomicU64::new(0)).collect();
         let adjacency = Adjacency::from_neighbors(n, progress, scratch, |(search, tied), x, out| {
+            if !is_wanted(x) {
+                return;
+            }
             let found = search.nearest(x, |_| 1);
             radius[x].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
             if found.names.len() <= most + 1 {
@@ -130,6 +143,9 @@ pub(crate) fn try_nearest_neighbors(
     // needs.
     let radius: Vec<AtomicU64> = (0..positions.len()).map(|_| AtomicU64::new(0)).collect();
     let near = Adjacency::from_rows(positions.len(), progress, scratch, |(search, tied), w, out| {
+        if !members.row(w).iter().any(|&x| is_wanted(x as usize)) {
+            return;
+        }
         let found = search.nearest(w, |w| if is_distinct { 1 } else { members.row(w as usize).len() });
         radius[w].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
         if is_distinct && found.names.len() <= most + 1 {
@@ -148,6 +164,9 @@ pub(crate) fn try_nearest_neighbors(
         progress,
         || (),
         |(), x, out| {
+            if !is_wanted(x) {
+                return;
+            }
             let of_position = near.row(vertex_map.welded(x)).iter().copied();
             out.extend(of_position.filter(|&y| y as usize != x).take(most));
         },

@@ -132,6 +132,58 @@ fn clouds_move_along_their_normals_toward_the_surface() {
 }
 
 #[test]
+fn no_vertex_moves_farther_than_three_times_its_noise() {
+    let (_, noisy) = pair("knot", 4000, 0.3);
+    let points = noisy.points().unwrap().to_vec();
+    let mut state = 5;
+    let mut wave = |i: u32| [0.1 * f64::from(i), (0.05 * f64::from(i)).sin(), 0.03 * signed(&mut state)];
+    let curve: Vec<[f64; 3]> = (0..400).map(&mut wave).collect();
+    let steps: Vec<[u32; 2]> = (0..399).map(|i| [i, i + 1]).collect();
+    let shapes = [
+        noisy,
+        Shape::Cloud(PointCloud::new(points).unwrap()),
+        Shape::Graph(Graph::curve(curve, &steps).unwrap()),
+    ];
+    for (kind, shape) in ["mesh", "cloud", "curve"].into_iter().zip(&shapes) {
+        for strength in [0.5, 1.0, 3.0] {
+            let result = denoised(shape, &defaults().with_strength(strength));
+            let moves = shape.points().unwrap().iter().zip(&result.points);
+            let shares: Vec<f64> = moves
+                .zip(&result.noise)
+                .map(|((p, q), noise)| rms(&[*p], &[*q]) / (noise * strength.max(1.0)))
+                .collect();
+            let most = shares.iter().copied().fold(0.0, f64::max);
+            println!("{kind}, strength {strength}: {most}");
+            assert!(most > 0.5 && most <= 3.0 + 1e-9, "{kind}, strength {strength}: {most}");
+        }
+    }
+}
+
+#[test]
+fn the_noise_at_each_point_follows_noise_that_grows() {
+    let mut state = 3;
+    let n = 90;
+    let true_noise = |x: f64| 0.1 + 0.4 * x / f64::from(n);
+    // The sum of twelve uniform numbers is nearly normal.
+    let mut point = |i: u32| {
+        let [x, y] = [i % n, i / n].map(|k| f64::from(k) + 0.4 * signed(&mut state));
+        let normal = 0.5 * (0..12).map(|_| signed(&mut state)).sum::<f64>();
+        [x, y, true_noise(x) * normal]
+    };
+    let points: Vec<[f64; 3]> = (0..n * n).map(&mut point).collect();
+    let result = denoised(&Shape::Cloud(PointCloud::new(points.clone()).unwrap()), &defaults());
+    for part in 0..4 {
+        let range = 0.25 * f64::from(n * part)..0.25 * f64::from(n * (part + 1));
+        let own = points.iter().zip(&result.noise).filter(|(p, _)| range.contains(&p[0]));
+        let mut ratios: Vec<f64> = own.map(|(p, noise)| noise / true_noise(p[0])).collect();
+        ratios.sort_by(f64::total_cmp);
+        let quantiles = [0.1, 0.5, 0.9].map(|share| ratios[(share * ratios.len() as f64) as usize]);
+        println!("{range:?}: {quantiles:?}");
+        assert!(quantiles[0] > 0.7 && quantiles[2] < 1.4, "{range:?}: {quantiles:?}");
+    }
+}
+
+#[test]
 fn strength_nought_changes_nothing_and_more_of_it_smooths_more() {
     let (_, noisy) = pair("knot", 4000, 0.2);
     let points = noisy.points().unwrap();
