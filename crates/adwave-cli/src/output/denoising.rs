@@ -183,6 +183,15 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
             number(strong.at_least)
         );
     }
+    if let (true, Some(ratio)) = (cloud.has_two_surfaces(), cloud.residual_ratio) {
+        let _ = writeln!(
+            text,
+            "two surfaces, it seems: most neighborhoods have residuals like those of thin walls or of passes that are \
+             shifted against each other (mean absolute / root mean square {}, of noise on one surface 0.80); they may have \
+             been joined in part",
+            number(ratio)
+        );
+    }
     if cloud.rounding > 0.5 * info.noise && cloud.rounding > 0.0 {
         let _ = writeln!(text, "coordinates are rounded to steps of {}", number(cloud.rounding));
     }

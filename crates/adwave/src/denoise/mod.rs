@@ -196,14 +196,14 @@ fn denoise_cloud(
     let (near, neighbors) = cloud::rows_across_lines(&points, search, progress)?;
     progress.step(1, STAGES)?;
     let given = params.noise.map(|s| s / unit);
-    let strong = match given {
-        Some(_) => None,
-        None => cloud::strong_noise(&points, &near, progress)?,
+    let (strong, residual_ratio) = match given {
+        Some(_) => (None, None),
+        None => cloud::noise_at_places(&points, &near, progress)?,
     };
     let noise = cloud::CloudNoise::new(&points, &near, given, strong.as_ref(), progress)?;
     progress.step(2, STAGES)?;
     let mut found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
-    (found.info.strong, found.info.neighbors) = (strong, neighbors);
+    found.info = CloudDenoising { strong, neighbors, residual_ratio, ..found.info };
     progress.step(4, STAGES)?;
     let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
     let map = geometry.vertex_map();

@@ -288,6 +288,11 @@ pub struct CloudDenoising {
     /// Noise larger than about half the distance of the points, if most places have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strong: Option<StrongNoise>,
+    /// Mean over places of the mean absolute residual of a quadric divided by the root mean square (Geary's ratio):
+    /// about 0.80 for noise on one surface, 0.82 if neighborhoods hold two surfaces 2.5 standard deviations of the noise
+    /// apart, 0.85 at 3.5. `None` unless most places are flat and have noise of a fifth of the distance of the points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual_ratio: Option<f64>,
 }
 
 /// Noise of a curve along each axis, and its length. Lengths are in model units.
@@ -321,6 +326,15 @@ impl StrongNoise {
 }
 
 impl CloudDenoising {
+    /// Smallest [`residual_ratio`](Self::residual_ratio) that noise on one surface hardly reaches: at most 0.823 on the
+    /// generated shapes and sensors of `cargo xtask bench-denoise` that have no walls thinner than a few points.
+    const TWO_SURFACES: f64 = 0.83;
+
+    /// True if most neighborhoods seem to hold two surfaces: thin walls, or passes that are shifted against each other.
+    pub fn has_two_surfaces(&self) -> bool {
+        self.residual_ratio.is_some_and(|ratio| ratio > Self::TWO_SURFACES)
+    }
+
     /// All lengths times `unit`.
     #[must_use]
     pub fn in_units(self, unit: f64) -> Self {

@@ -23,7 +23,7 @@ use crate::{Cancelled, Progress, parallel};
 use fit::{FitFrame, HeightFit, Heights, RobustReach};
 use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
 use patches::Patches;
-pub(in crate::denoise) use patches::strong_noise;
+pub(in crate::denoise) use patches::noise_at_places;
 pub(in crate::denoise) use rows::{NearestRows, rows_across_lines};
 
 /// Number of nearest neighbors that fits use.
@@ -118,7 +118,7 @@ pub(super) struct CloudNoise {
 }
 
 impl CloudNoise {
-    /// Estimates the noise, unless it is given; `strong` is what [`strong_noise`] found in the whole cloud.
+    /// Estimates the noise, unless it is given; `strong` is what [`noise_at_places`] found in the whole cloud.
     pub(super) fn new(
         points: &[Vector],
         near: &NearestRows,
@@ -260,6 +260,7 @@ pub(super) fn denoise_points(
         rounding: rounding_step(points),
         outliers: params.outliers,
         strong: None,
+        residual_ratio: None,
         neighbors: NEIGHBORS,
     };
     let kept = outcomes.iter().map(|o| o.2).sum::<f64>() / outcomes.len().max(1) as f64;

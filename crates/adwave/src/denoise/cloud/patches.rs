@@ -44,6 +44,12 @@ const MOST_PLACES: f64 = 0.5;
 /// are 2 standard deviations apart.
 const ONE_SHEET: [f64; 2] = [0.77, 0.811];
 
+/// Noise in distances of points from which the residuals of a place tell one sheet from two, the share of the places that
+/// must have it for that, and the largest median growth to the next size, beyond which it is bending.
+const TELLING: f64 = 0.2;
+const MOST_TELLING: f64 = 0.5;
+const TELLING_GROWTH: f64 = 1.2;
+
 /// Geary's ratio of a patch, and its largest deviations for many and for few patches around it.
 const PATCH_RATIO: f64 = 0.795;
 const RATIO_MARGINS: [f64; 2] = [0.03, 0.1];
@@ -267,13 +273,13 @@ pub(super) fn scrambled(value: u64) -> u64 {
     bits ^ (bits >> 32)
 }
 
-/// Looks for strong noise at some places; `None` unless most of those that are flat at some size have it. O(1) beyond
-/// a number for each point.
-pub(in crate::denoise) fn strong_noise(
+/// Looks for strong noise at some places, none unless most of those that are flat at some size have it, and for the mean
+/// of Geary's ratio ([`CloudDenoising::residual_ratio`](super::CloudDenoising)). O(1) beyond a number for each point.
+pub(in crate::denoise) fn noise_at_places(
     points: &[Vector],
     near: &NearestRows,
     progress: Progress<'_>,
-) -> Result<Option<StrongNoise>, Cancelled> {
+) -> Result<(Option<StrongNoise>, Option<f64>), Cancelled> {
     let n = points.len();
     let n_places = PLACES.min(n);
     let at_place = |search: &mut Search, i: usize| {
@@ -287,27 +293,39 @@ pub(in crate::denoise) fn strong_noise(
     let found = parallel::try_map_chunks(n_places, 64, progress, scratch, |search, range| {
         range.filter_map(|i| at_place(search, i)).collect::<Vec<_>>()
     })?;
-    let flat: Vec<_> = found.into_iter().flatten().collect();
-    let strong: Vec<_> = flat.iter().filter(|(fit, ..)| fit.noise > STRONG * fit.spacing).collect();
+    let flat: Vec<PlaceFit> = found.into_iter().flatten().collect();
+    let with_noise =
+        |least: f64| flat.iter().filter(|(fit, ..)| fit.noise > least * fit.spacing).collect::<Vec<_>>();
+    let mean_ratio =
+        |fits: &[&PlaceFit]| fits.iter().map(|(fit, ..)| fit.ratio).sum::<f64>() / fits.len() as f64;
+    let median_growth =
+        |fits: &[&PlaceFit]| median(&mut fits.iter().map(|(_, growth, _)| *growth).collect::<Vec<_>>());
+    let telling = with_noise(TELLING);
+    let tells =
+        telling.len() as f64 > MOST_TELLING * n_places as f64 && median_growth(&telling) < TELLING_GROWTH;
+    let residual_ratio = tells.then(|| mean_ratio(&telling));
+    let strong = with_noise(STRONG);
     if flat.is_empty()
         || (flat.len() as f64) < FEWEST_FLAT * n_places as f64
         || (strong.len() as f64) < MOST_PLACES * flat.len() as f64
     {
-        return Ok(None);
+        return Ok((None, residual_ratio));
     }
-    let ratio = strong.iter().map(|(fit, ..)| fit.ratio).sum::<f64>() / strong.len() as f64;
-    let growth = median(&mut strong.iter().map(|(_, growth, _)| *growth).collect::<Vec<_>>());
-    if !(ONE_SHEET[0]..ONE_SHEET[1]).contains(&ratio) || growth > GROWTH {
-        return Ok(None);
+    if !(ONE_SHEET[0]..ONE_SHEET[1]).contains(&mean_ratio(&strong)) || median_growth(&strong) > GROWTH {
+        return Ok((None, residual_ratio));
     }
     let mut noise: Vec<f64> = strong.iter().map(|(fit, ..)| fit.noise).collect();
     let size = median(&mut strong.iter().map(|(.., size)| *size as f64).collect::<Vec<_>>()) as usize;
-    Ok(Some(StrongNoise {
+    let strong = StrongNoise {
         noise: median(&mut noise),
         at_least: quantile(&mut noise, 0.25),
         neighbors: SIZES[size],
-    }))
+    };
+    Ok((Some(strong), residual_ratio))
 }
+
+/// Smallest flat fit at a place, the growth of the noise to the next size, and the index of its size.
+type PlaceFit = (Quadric, f64, usize);
 
 /// Fits around the center of a patch.
 struct Center {

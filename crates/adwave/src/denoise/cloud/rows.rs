@@ -179,25 +179,25 @@ pub(in crate::denoise) fn rows_across_lines(
     let place = |i: usize| if n > PLACES { (scrambled(i as u64) % n as u64) as usize } else { i };
     let places: Vec<usize> = (0..PLACES.min(n)).map(place).collect();
     let search = |k: usize, is_wanted: &[bool]| Ok(Cow::Owned(search(k, is_wanted)?.adjacency));
-    let near = search(NEIGHBORS, &vec![true; n])?;
+    let near: Cow<'_, Adjacency> = search(NEIGHBORS, &vec![true; n])?;
     let around =
         parallel::try_collect(places.len(), progress, |i| nearest(points, &near, places[i], NEIGHBORS))?;
-    let in_lines = |near: &Adjacency, wide: usize| {
-        let few = FIT_SIZES[2] * wide;
-        parallel::try_collect(places.len(), progress, |i| {
-            let is_in_line =
-                |&&y: &&u32| is_line(points, y as usize, &nearest(points, near, y as usize, few), wide);
-            LINE_PART * around[i].iter().filter(is_in_line).count() > around[i].len()
-        })
-    };
-    let share = |is: &[bool]| is.iter().filter(|is| **is).count() as f64 / is.len().max(1) as f64;
-    let first = share(&in_lines(&near, 1)?);
-    let (mut wide, mut left) = (1, first);
     let mut is_wanted = vec![false; n];
     around.iter().flatten().for_each(|&y| is_wanted[y as usize] = true);
+    let in_lines = |near: &Adjacency, wide: usize| {
+        let is_line = parallel::try_collect(n, progress, |y| {
+            is_wanted[y] && is_line(points, y, &nearest(points, near, y, FIT_SIZES[2] * wide), wide)
+        })?;
+        let is_in_lines =
+            |row: &Vec<u32>| LINE_PART * row.iter().filter(|&&y| is_line[y as usize]).count() > row.len();
+        Ok(around.iter().filter(|row| is_in_lines(row)).count() as f64 / around.len().max(1) as f64)
+    };
+    let first = in_lines(&near, 1)?;
+    let (mut wide, mut left) = (1, first);
     while first >= LEAST_LINES && left > FEW_LINES * first && wide < MOST_WIDE && NEIGHBORS * wide < n {
         wide *= 2;
-        left = share(&in_lines(&search(NEIGHBORS * wide, &is_wanted)?, wide)?);
+        let near: Cow<'_, Adjacency> = search(NEIGHBORS * wide, &is_wanted)?;
+        left = in_lines(&near, wide)?;
     }
     let most = if left > MANY_LINES * first { NEIGHBORS } else { NEIGHBORS * wide };
     Ok((NearestRows::new(points, &near, most, search, progress)?, most))
