@@ -11,6 +11,7 @@
 //! neighbors from several of them: see [`rows`].
 
 mod fit;
+mod lanes;
 mod noise;
 mod patches;
 mod rows;

@@ -8,11 +8,13 @@
 //! closer to the root mean square than that of normal deviates (Geary's ratio).
 
 use super::fit::{FitFrame, basis, factorize, principal_axes, substitute};
+use super::lanes::{FitSums, LANES, Lanes};
 use super::{CAUTION, FARTHEST, LINE_RATIO, NEIGHBORS, NOTHING, NearestRows, quantile};
 use crate::denoise::noise_level::median;
 use crate::denoise::params::StrongNoise;
 use crate::vector::{Vector, add_scaled, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
+use pulp::{Arch, NullaryFnOnce};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
@@ -162,6 +164,31 @@ struct Quadric {
     spacing: f64,
 }
 
+/// Normal equations of the quadric over some points, compiled for several processors.
+struct MemberSums<'a> {
+    points: &'a [Vector],
+    members: &'a [u32],
+    fit: &'a Quadric,
+}
+
+impl NullaryFnOnce for MemberSums<'_> {
+    type Output = ([[f64; 6]; 6], [f64; 6]);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let mut sums = FitSums::<6>::default();
+        for part in self.members.chunks(LANES) {
+            let [mut weights, mut u, mut v, mut heights] = [[0.0; LANES]; 4];
+            for (lane, &y) in part.iter().enumerate() {
+                let (height, place) = self.fit.local(&self.points[y as usize]);
+                (weights[lane], u[lane], v[lane], heights[lane]) = (1.0, place[0], place[1], height);
+            }
+            sums.add(Lanes(weights), [Lanes(u), Lanes(v)], Lanes(heights));
+        }
+        sums.equations()
+    }
+}
+
 impl Quadric {
     fn new(points: &[Vector], members: &[u32]) -> Option<Self> {
         let n = members.len() as f64;
@@ -183,17 +210,7 @@ impl Quadric {
         let coefficients = [0.0; 6];
         let mut fit =
             Self { frame, center, scale, coefficients, noise: 0.0, ratio: 0.0, is_flat: false, spacing: 0.0 };
-        let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
-        for &y in members {
-            let (height, place) = fit.local(&points[y as usize]);
-            let f = basis::<6>(place);
-            for i in 0..6 {
-                for j in 0..=i {
-                    matrix[i][j] += f[i] * f[j];
-                }
-                right[i] += f[i] * height;
-            }
-        }
+        let (mut matrix, right) = Arch::new().dispatch(MemberSums { points, members, fit: &fit });
         if !factorize(&mut matrix) {
             return None;
         }
