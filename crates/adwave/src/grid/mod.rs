@@ -290,17 +290,36 @@ impl Domain for Grid {
     }
 
     fn extent(&self, masked: Option<&[bool]>) -> f64 {
+        /// Rows along the last axis that a thread looks at at a time.
+        const ROWS_AT_A_TIME: usize = 64;
         if self.kept.is_none() && masked.is_none() {
             return self.diagonal();
         }
+        let (last, n_axes) = (self.axes.sizes.len() - 1, self.axes.sizes.len());
+        let row_len = self.axes.sizes[last];
+        let none = [(usize::MAX, 0); MAX_AXES];
+        let join = |a: [(usize, usize); MAX_AXES], b: [(usize, usize); MAX_AXES]| {
+            std::array::from_fn(|axis| (a[axis].0.min(b[axis].0), a[axis].1.max(b[axis].1)))
+        };
+        let of_row = |row: usize| {
+            let (first, mut places) = (row * row_len, row * row_len..(row + 1) * row_len);
+            let Some(low) = places.clone().find(|&place| self.is_part(place, masked)) else { return none };
+            let high = places.rfind(|&place| self.is_part(place, masked)).unwrap_or(low);
+            std::array::from_fn(|axis| match axis {
+                axis if axis < last => (self.axes.coordinate(axis, first), self.axes.coordinate(axis, first)),
+                axis if axis == last => (low - first, high - first),
+                _ => (0, 0),
+            })
+        };
+        let parts = parallel::map_chunks(self.n_places() / row_len, ROWS_AT_A_TIME, |rows| {
+            rows.map(of_row).fold(none, join)
+        });
+        let bounds = parts.into_iter().fold(none, join);
         let square = |axis: usize| {
-            let at = (0..self.n_places())
-                .filter(|&place| self.is_part(place, masked))
-                .map(|place| self.axes.coordinate(axis, place));
-            let (low, high) = at.fold((usize::MAX, 0), |(low, high), at| (low.min(at), high.max(at)));
+            let (low, high) = bounds[axis];
             (high.saturating_sub(low) as f64 * self.axes.spacings[axis]).powi(2)
         };
-        (0..self.axes.sizes.len()).map(square).sum::<f64>().sqrt()
+        (0..n_axes).map(square).sum::<f64>().sqrt()
     }
 
     fn diagonal(&self) -> f64 {
