@@ -145,8 +145,8 @@ def mask_part(bench):
     np.ones_like(values).tofile(path)
     _, ones, _ = bench.heat(path, values.shape, [sigma], 1, 1e-6, rounds=1, mask=flags)
     text = page.paragraph(
-        f"{mask.sum():,} of {mask.size:,} voxels of 1 mm, FWHM 4 mm; SciPy without a mask on one core. A constant in the mask "
-        f"is kept to {abs(ones[mask] - 1).max():.0e}.")
+        f"{mask.sum():,} of {mask.size:,} voxels of 1 mm, FWHM 4 mm; SciPy without a mask on one core. A constant in "
+        f"the mask is kept to {abs(ones[mask] - 1).max():.0e}.")
     head = ["cores", "accuracy asked", "adwave in the mask", "SciPy, unmasked", "ratio", "sum off by"]
     return "Heat in a mask", text + "\n\n" + page.table(head, rows, numbers=True)
 
@@ -185,8 +185,8 @@ def frames_part(bench):
              seconds(theirs), f"{theirs / ours:.1f}"]]
     head = ["adwave, all cores", "of it processor time", "peak memory", "nibabel and SciPy, one core", "ratio"]
     text = page.paragraph(
-        f"{np.prod(sizes):,} voxels of 2 mm × {N_FRAMES:,} frames in single precision, 4.3 GB, FWHM 6 mm, from file to file "
-        f"without compression. The other time is that of {N_FRAMES_TIMED} frames, times {N_FRAMES // N_FRAMES_TIMED}.")
+        f"{np.prod(sizes):,} voxels of 2 mm × {N_FRAMES:,} frames in single precision, 4.3 GB, FWHM 6 mm, from file to "
+        f"file without compression. The other time is that of {N_FRAMES_TIMED} frames, times {N_FRAMES // N_FRAMES_TIMED}.")
     return "A series of volumes", text + "\n\n" + page.table(head, rows, numbers=True)
 
 

@@ -36,12 +36,12 @@ def test_planes_come_back_exactly_and_empty_cells_have_no_weight() -> None:
     raster = aw.rasterize(centers, 1.0)
     assert raster.values.shape == (9, 12)
     points = np.random.default_rng(1).uniform(0, [11, 8], size=(500, 2))
-    assert np.allclose(raster.at(points), 3 * points[:, 0] - 2 * points[:, 1])
-    assert np.isnan(raster.at([[-0.51, 3], [11.51, 3], [np.nan, 3]])).all()
-    assert raster.at([[-0.5, 3]])[0] == -6
+    assert np.allclose(raster.interpolate(points), 3 * points[:, 0] - 2 * points[:, 1])
+    assert np.isnan(raster.interpolate([[-0.51, 3], [11.51, 3], [np.nan, 3]])).all()
+    assert raster.interpolate([[-0.5, 3]])[0] == -6
     holes = aw.rasterize(centers[(x != 4) | (y != 4)], 1.0)
-    assert holes.at([[4.0, 4.0], [3.6, 4.0]])[1] == pytest.approx(holes.values[4, 3])
-    assert np.isnan(holes.at([[4.0, 4.0]])[0])
+    assert holes.interpolate([[4.0, 4.0], [3.6, 4.0]])[1] == pytest.approx(holes.values[4, 3])
+    assert np.isnan(holes.interpolate([[4.0, 4.0]])[0])
 
 
 def test_heights_are_filtered_on_the_raster_and_put_back() -> None:
@@ -49,7 +49,7 @@ def test_heights_are_filtered_on_the_raster_and_put_back() -> None:
     bump = np.exp(-((points[:, 0] - 500020) ** 2 + (points[:, 1] - 4000020) ** 2) / 8)
     raised = points + np.column_stack([0 * bump, 0 * bump, bump])
     raster = aw.rasterize(raised, 1.0)
-    relief = raster.at(raised, raster.values - raster.grid.smooth(fwhm=8))
+    relief = raster.interpolate(raised, raster.values - raster.grid.smooth(fwhm=8))
     inner = (np.abs(points[:, :2] - [500020, 4000020]) < 12).all(axis=1)
     assert np.corrcoef(relief[inner], bump[inner])[0, 1] > 0.9
     assert abs(relief[inner & (bump < 1e-3)]).max() < 0.3
@@ -64,7 +64,7 @@ def test_wrong_input_says_what_to_do() -> None:
         (lambda: aw.rasterize(points, 1, statistic="median"), "'mean', 'min'"),  # type: ignore[arg-type]
         (lambda: aw.rasterize(points, 1, values=[1.0]), "one number for each point"),
         (lambda: aw.rasterize(np.full((3, 3), np.nan), 1), "at least one"),
-        (lambda: aw.rasterize(points, 8).at(points, [1.0]), "not that of the raster"),
+        (lambda: aw.rasterize(points, 8).interpolate(points, [1.0]), "not that of the raster"),
     ]:
         with pytest.raises(ValueError, match=told):
             call()

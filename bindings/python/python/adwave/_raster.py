@@ -22,7 +22,7 @@ _MOST_CELLS = 2**31
 class Raster:
     """Values of points in square cells of the plane, as `adwave.rasterize` makes it.
 
-    Rows run from the least y upward and columns from the least x, so that ``values[i, j]`` is the cell with its center at
+    Rows run from the least y upward and columns from the least x: ``values[i, j]`` is the cell with its center at
     ``origin + cell · (j, i)``.
 
     Examples
@@ -31,7 +31,7 @@ class Raster:
     >>> x, y = np.random.default_rng(0).uniform(0, 30, size=(2, 9000))
     >>> ground = aw.rasterize(np.column_stack([x, y, 0.5 * x - y]), cell=1.0)
     >>> wide = ground.grid.smooth(fwhm=6)
-    >>> bool(np.isfinite(ground.at(np.column_stack([x, y]), wide)).all())
+    >>> bool(np.isfinite(ground.interpolate(np.column_stack([x, y]), wide)).all())
     True
     """
 
@@ -52,7 +52,7 @@ class Raster:
         """The cells as a grid, in which those without points take no part."""
         return make_grid(self.values, spacing=self.cell)
 
-    def at(self, points: ArrayLike | Shape, values: ArrayLike | None = None) -> NDArray[np.float64]:
+    def interpolate(self, points: ArrayLike | Shape, values: ArrayLike | None = None) -> NDArray[np.float64]:
         """Interpolate values of the cells at points, linearly between the centers of the four cells around each.
 
         Parameters
@@ -71,18 +71,19 @@ class Raster:
         --------
         >>> import adwave as aw, numpy as np
         >>> plane = aw.rasterize([[0, 0, 0], [1, 0, 2], [0, 1, 4], [1, 1, 6]], cell=1)
-        >>> plane.at([[0.5, 0.25]])
+        >>> plane.interpolate([[0.5, 0.25]])
         array([2.])
         """
         given = self.values if values is None else np.asarray(values, dtype=np.float64)
         if given.shape != self.values.shape:
             raise ValueError(
-                f"values: shape {given.shape} is not that of the raster, {self.values.shape}; give a number for each cell, as "
-                "in raster.at(points, raster.grid.smooth(fwhm=5))"
+                f"values: shape {given.shape} is not that of the raster, {self.values.shape}; give a number for each cell, "
+                "as in raster.interpolate(points, raster.grid.smooth(fwhm=5))"
             )
         # The outer half of a cell at the border lies beyond all centers, and has the value of the nearest.
         position = (_planar(points, "points") - self.origin) / self.cell
-        inside = (np.abs(position - 0.5 * (np.array(given.shape[::-1]) - 1)) <= 0.5 * np.array(given.shape[::-1])).all(1)
+        half = 0.5 * np.array(given.shape[::-1])
+        inside = (np.abs(position - (half - 0.5)) <= half).all(axis=1)
         low = np.floor(np.where(inside[:, None], position, 0.0)).astype(np.int64)
         part = np.where(inside[:, None], position, 0.0) - low
         total, weights = np.zeros(len(low)), np.zeros(len(low))
@@ -122,7 +123,7 @@ def rasterize(
     Returns
     -------
     Raster
-        Values of the cells; ``raster.grid`` has bands, and ``raster.at(points, values)`` puts values back on points.
+        Values of the cells; ``raster.grid`` has bands, and ``raster.interpolate(points, values)`` puts values back.
 
     Examples
     --------
