@@ -10,7 +10,7 @@ import pytest
 def scan(n: int = 4000) -> np.ndarray:
     """Points of a plane in no order, far from the origin."""
     random = np.random.default_rng(3)
-    x, y = random.uniform(0, 40, size=(2, n)) + [[5e5], [4e6]]
+    x, y = np.array([[5e5], [4e6]]) + random.uniform(0, 40, size=(2, n))
     return np.column_stack([x, y, 100 + 0.5 * (x - 5e5) - 0.25 * (y - 4e6)])
 
 
