@@ -82,7 +82,12 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     });
     section.gallery(pictures(subject, studio, &found));
     section.push(Block::Table(level_table(subject, &found)));
-    section.push(Block::Table(strongest_table(subject, studio, &found, is_of_values)));
+    let strength = if is_of_values {
+        "the contrast of W_j with its surroundings, in standard deviations of the noise"
+    } else {
+        "|W_j| divided by its mean over the level"
+    };
+    section.push(Block::Table(strongest_table(subject, studio, &found, strength)));
     (section, Some(FeatureSummary { features: found, seconds }))
 }
 
@@ -122,20 +127,10 @@ fn level_table(subject: &Subject<'_>, found: &[Feature]) -> Table {
     table
 }
 
-fn strongest_table(
-    subject: &Subject<'_>,
-    studio: &Studio<'_>,
-    found: &[Feature],
-    is_of_values: bool,
-) -> Table {
+fn strongest_table(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature], strength: &str) -> Table {
     let unit = subject.width_unit();
     let signed = subject.bands.n_channels == 1;
     let places = Places::new(subject, studio.up());
-    let strength = if is_of_values {
-        "the contrast of W_j with its surroundings, in standard deviations of the noise"
-    } else {
-        "|W_j| divided by its mean over the level"
-    };
     let caption = format!(
         "The strongest features{}. The strength is {strength}{}.",
         if found.len() > MAX_LISTED { format!(", {MAX_LISTED} of {}", found.len()) } else { String::new() },
