@@ -223,6 +223,31 @@ fn nothing_crosses_a_mask_and_a_full_one_changes_nothing() {
     assert!(largest_difference(a.coarsest(), c.coarsest()) < 1e-9);
 }
 
+#[test]
+fn weak_coarse_bands_are_computed_by_finer_leaps() {
+    // The errors of the fewest poles, relative to the fast wave, are larger than 1e-4 of the slow one.
+    let sizes = [96, 80];
+    let grid = Grid::new(&sizes, &[1.0; 2]).unwrap();
+    let values = image(&sizes, |at| {
+        let wave = |k: f64| (PI * k * (at[0] as f64 + 0.5) / sizes[0] as f64).cos();
+        wave(60.0) + 1e-4 * wave(1.0)
+    });
+    let schedule = Schedule::dyadic(12).unwrap();
+    for accuracy in [1e-4, 1e-6] {
+        let request = decomposer(&grid);
+        let bands = request.request(&values, 1, &schedule).accuracy(accuracy).bands().unwrap();
+        assert_eq!(bands.info.engine, Engine::Leaps, "{accuracy:e}");
+        assert!(bands.info.error_bound <= accuracy);
+        let series = BandsParams::default().with_engine(Engine::Chebyshev);
+        let exact = request.request(&values, 1, &schedule).params(&series).bands().unwrap();
+        for (a, b) in bands.wavelets().zip(exact.wavelets()) {
+            let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+            let off = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
+            assert!(off <= accuracy * norm(&mut b.iter().copied()), "{off:e} to {accuracy:e}");
+        }
+    }
+}
+
 /// Heat on a grid by its products alone.
 #[derive(Debug)]
 struct Products(GridHeat);
