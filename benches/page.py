@@ -6,7 +6,6 @@ import textwrap
 from importlib.metadata import version
 from pathlib import Path
 
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 # Characters of a line of prose in a page.
 WIDTH = 118
 
@@ -50,10 +49,11 @@ def machine(*packages):
     return f"{processor()}, {os.cpu_count()} cores; {system}, {versions}."
 
 
-def write(path, measured):
-    """Replaces the text between the two marked lines of a page by `measured`."""
-    before, marker, rest = path.read_text().partition(BEGIN)
-    _, other, after = rest.partition(END)
+def write(path, measured, name="measured"):
+    """Replaces the text between the two lines of a page that are marked with a name by `measured`."""
+    begin, end = (f"<!-- {name}: {edge} -->" for edge in ("begin", "end"))
+    before, marker, rest = path.read_text().partition(begin)
+    _, other, after = rest.partition(end)
     if not (marker and other):
-        raise SystemExit(f"{path} has no lines {BEGIN} and {END} to write between")
-    path.write_text(f"{before}{BEGIN}\n\n{measured}\n\n{END}{after}")
+        raise SystemExit(f"{path} has no lines {begin} and {end} to write between")
+    path.write_text(f"{before}{begin}\n\n{measured}\n\n{end}{after}")

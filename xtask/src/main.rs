@@ -2,6 +2,7 @@
 
 mod clouds;
 mod denoise;
+mod grids;
 mod matching;
 mod meshings;
 mod notices;
@@ -43,6 +44,8 @@ usage: cargo xtask COMMAND
   bench-denoise [first|second] [SEEDS]
             denoise random meshes and clouds whose truth is known: tables by noise and by shape for one half of the seeds, and the
             published pairs of ../shared/data (or $ADWAVE_DATA), if it exists
+  bench-grids [--models DIR] [--only PART]
+            time heat and bands of images and volumes beside SciPy and write the section of docs/PERFORMANCE.md on them
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
   bench-match [--seeds choose|final] [--cases N] [--seconds N] [--curve FILE.svg]
@@ -104,6 +107,7 @@ fn main() -> ExitCode {
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["bench-denoise", ref rest @ ..] => denoise::bench_truth(rest),
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
+        ["bench-grids", ref rest @ ..] => grids::bench_grids(rest),
         ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
         ["command-check"] => command_check(),

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Sources that a run has read.
 pub(crate) struct Inputs {
@@ -16,6 +16,8 @@ pub(crate) struct Inputs {
     sources: Mutex<Vec<InputSource>>,
     /// Remarks about the sources that have not been printed.
     remarks: Mutex<Vec<String>>,
+    /// Words for a place of an image or a volume, if the first source is one.
+    row_words: OnceLock<[&'static str; 2]>,
 }
 
 #[derive(PartialEq, Eq)]
@@ -28,7 +30,7 @@ enum InputSource {
 
 impl Inputs {
     pub(crate) fn new(in_comments: bool) -> Self {
-        Self { in_comments, sources: Mutex::default(), remarks: Mutex::default() }
+        Self { in_comments, sources: Mutex::default(), remarks: Mutex::default(), row_words: OnceLock::new() }
     }
 
     fn sources(&self) -> MutexGuard<'_, Vec<InputSource>> {
@@ -43,6 +45,30 @@ impl Inputs {
     /// Takes the remarks that have not been printed.
     pub(crate) fn take_remarks(&self) -> Vec<String> {
         std::mem::take(&mut *self.remarks.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Sets the words for a place of the first source and for several.
+    pub(crate) fn set_row_words(&self, words: [&'static str; 2]) {
+        let _ = self.row_words.set(words); // those of further sources do not count
+    }
+
+    /// A message about the sources in the words of the first: the libraries speak of vertices, which an image does not
+    /// have. Names, options and keys with a vertex in them stay.
+    pub(crate) fn in_row_words(&self, text: &str) -> String {
+        let Some(&[one, many]) = self.row_words.get() else { return text.to_owned() };
+        let is_part = |c: char| c.is_alphanumeric() || "-_=:./'`".contains(c);
+        let mut told = String::new();
+        for word in text.split_inclusive(|c: char| !is_part(c)) {
+            let name = word.trim_end_matches(|c: char| !is_part(c) || c == '.' || c == ':');
+            let replaced = match name {
+                "vertex" => one,
+                "vertices" => many,
+                name => name,
+            };
+            told += replaced;
+            told += &word[name.len()..];
+        }
+        told
     }
 
     fn add(&self, source: InputSource) {
@@ -116,4 +142,21 @@ fn hexadecimal(bytes: impl AsRef<[u8]>) -> String {
 /// The last component of a path that is given as text.
 pub(crate) fn last_component(path: &str) -> &str {
     path.rsplit(['/', std::path::MAIN_SEPARATOR]).find(|part| !part.is_empty()).unwrap_or(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_on_images_speak_of_pixels() {
+        let inputs = Inputs::new(false);
+        let text =
+            "vertices of vertex.tif: vertex 3 of 'ball:vertex=3'; (the vertices), --vertices, per vertex.";
+        assert_eq!(inputs.in_row_words(text), text);
+        inputs.set_row_words(["pixel", "pixels"]);
+        inputs.set_row_words(["vertex", "vertices"]);
+        let told = "pixels of vertex.tif: pixel 3 of 'ball:vertex=3'; (the pixels), --vertices, per pixel.";
+        assert_eq!(inputs.in_row_words(text), told);
+    }
 }

@@ -87,7 +87,8 @@ pub fn run_for(
         // With `adwave … | head` the reader has seen what it wanted.
         Ok(()) | Err(CliError::ClosedPipe) => 0,
         Err(error) => {
-            output::tell(&format!("adwave: {}", output::plain_text(&error.to_string())));
+            let text = inputs.in_row_words(&error.to_string());
+            output::tell(&format!("adwave: {}", output::plain_text(&text)));
             error.exit_code()
         }
     }

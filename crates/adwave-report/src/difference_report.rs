@@ -1,7 +1,7 @@
 //! Page that compares two versions of a shape by place and scale.
 
 use crate::page::{Block, Fact, Page, Section};
-use crate::shape_report::drawing::{FieldLook, PictureSpec, Scale, Studio};
+use crate::shape_report::drawing::{FieldLook, PictureSpec, Scale, SignalPictures, Studio};
 use crate::shape_report::{BandSummary, Subject, Viewpoint, band_section};
 use adwave::shape::Shape;
 use adwave::{Cancelled, Progress};
@@ -65,9 +65,8 @@ pub fn difference_report(
         let plain = |name: &str| PictureSpec::plain(name, format!("{name}."));
         let drawn = if let Some([first, second]) = versions.values {
             let both = Subject { values: first, signal: "values", ..*subject };
-            let shown = |name: &str, values| {
-                PictureSpec::signal_picture(&both, values, name.to_owned(), format!("{name}."))
-            };
+            let signal = SignalPictures::new(&both);
+            let shown = |name: &str, values| signal.picture(values, name.to_owned(), format!("{name}."));
             studio.draw(&[shown(subject.name, first), map, shown(versions.other, second)])
         } else {
             studio.draw(&[plain(subject.name), map]).and_then(|mut figures| {

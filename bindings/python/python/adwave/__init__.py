@@ -32,6 +32,7 @@ info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
 read(path), Shape(points, faces)            shapes; sample() and graph() make others
 grid(array, spacing=h, mask=m)              images and volumes with the same methods
+rasterize(points, cell=1)                   heights of a scan as a grid, and values back at points
 walk(P), points(X)                          random walks on graphs and on points of any dimension
 impute(counts, walk), scattering(walk, f)   averages over similar cells; features of fields on a graph
 Decomposer(shape)                           a shape prepared once, for many requests
@@ -70,6 +71,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_recipe": ("Recipe", "read_recipe"),
     "_walk": ("ScatteringResult", "Walk", "from_edge_index", "neighbors", "points", "scattering", "walk"),
     "_grid": ("Grid", "grid"),
+    "_raster": ("Raster", "rasterize"),
     "_impute": ("Imputation", "impute"),
     "_info": ("Info", "info", "memory_needed", "preset_gains", "region", "report", "signal"),
     "_picture": ("Camera", "ColorScale", "Picture", "render"),

@@ -59,6 +59,8 @@ from adwave._walk import scattering as scattering
 from adwave._walk import walk as walk
 from adwave._grid import Grid as Grid
 from adwave._grid import grid as grid
+from adwave._raster import Raster as Raster
+from adwave._raster import rasterize as rasterize
 from adwave._impute import Imputation as Imputation
 from adwave._impute import impute as impute
 from adwave._info import Info as Info
@@ -102,6 +104,7 @@ __all__ = [
     "Octaves",
     "Operator",
     "Picture",
+    "Raster",
     "Recipe",
     "Repeatability",
     "Saliency",
@@ -136,6 +139,7 @@ __all__ = [
     "neighbors",
     "points",
     "preset_gains",
+    "rasterize",
     "read",
     "read_bytes",
     "read_recipe",

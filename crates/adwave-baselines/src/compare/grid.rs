@@ -100,12 +100,12 @@ fn rows_of_level(ours: &Levels<'_>, theirs: &Levels<'_>, level: usize) -> [Row; 
     let (own, other) = (ours.wavelet(level), theirs.wavelet(level));
     let difference: Vec<f64> = own.iter().zip(&other).map(|(a, b)| a - b).collect();
     let relative = Some(ours.rms(&difference) / ours.rms(&own)).filter(|share| share.is_finite());
-    let name = |quantity: &str| format!("level {level}: {quantity}");
-    [
-        row(&name("width σ"), ours.smoothed.sigma[level - 1], theirs.smoothed.sigma[level - 1]),
-        row(&name("rms of W"), ours.rms(&own), theirs.rms(&other)),
-        row(&name("rms difference of W / rms of ours"), None, relative),
-        row(&name("S below the least value"), ours.undershoot(level), theirs.undershoot(level)),
-        row(&name("change of the mean of S"), ours.change_of_mean(level), theirs.change_of_mean(level)),
-    ]
+    let rows = [
+        row("σ", ours.smoothed.sigma[level - 1], theirs.smoothed.sigma[level - 1]),
+        row("rms of W", ours.rms(&own), theirs.rms(&other)),
+        row("W differs by", None, relative),
+        row("S below data", ours.undershoot(level), theirs.undershoot(level)),
+        row("mean of S off by", ours.change_of_mean(level), theirs.change_of_mean(level)),
+    ];
+    rows.map(|row| Row { level: Some(level), ..row })
 }

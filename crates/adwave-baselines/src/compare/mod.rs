@@ -150,6 +150,8 @@ pub enum CompareError {
 pub struct Row {
     /// Name of the quantity, with its unit.
     pub quantity: String,
+    /// The level that was measured; `None` for all together.
+    pub level: Option<usize>,
     /// Value for adwave; `None` if the quantity has no meaning for adwave.
     pub adwave: Option<f64>,
     /// Value for the other method; `None` if the quantity has no meaning for that method.

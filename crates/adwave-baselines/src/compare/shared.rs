@@ -6,7 +6,7 @@ use adwave::measure::rms;
 use std::time::Instant;
 
 pub(super) fn row(quantity: &str, adwave: impl Into<Option<f64>>, other: impl Into<Option<f64>>) -> Row {
-    Row { quantity: quantity.to_owned(), adwave: adwave.into(), other: other.into() }
+    Row { quantity: quantity.to_owned(), level: None, adwave: adwave.into(), other: other.into() }
 }
 
 /// Largest absolute difference of two signals over all vertices and channels.

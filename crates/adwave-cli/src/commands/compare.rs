@@ -14,7 +14,7 @@ use crate::resolve::signal::{COORDS, Signal, load_signal};
 use adwave::bands::Schedule;
 use adwave::mask::missing;
 use adwave::{Decomposer, LevelSpec, ResolvedLevels};
-use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
+use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, Row, compare};
 use adwave_baselines::grid_smoothing::{GridPlaces, starlet_widths};
 use adwave_io::{Field, FieldValues, GridLayout, MovedNormals};
 use clap::Args;
@@ -129,8 +129,13 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     );
     text += &table(
         ["", "adwave", method],
-        comparison.rows.iter().map(|r| [r.quantity.clone(), shown(r.adwave), shown(r.other)]),
+        comparison
+            .rows
+            .iter()
+            .filter(|r| r.level.is_none())
+            .map(|r| [r.quantity.clone(), shown(r.adwave), shown(r.other)]),
     );
+    text += &level_table(&comparison.rows, method);
     text += "\n";
     for (name, outcomes) in [("adwave", &comparison.adwave), (method, &comparison.other)] {
         let path = args.output.join(format!("{name}.{ending}"));
@@ -143,6 +148,32 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();
     print(global, &text, &json)
+}
+
+/// A row for each level, and for each quantity a column by method, or a single one if they agree everywhere; empty if
+/// nothing was measured by level.
+fn level_table(rows: &[Row], method: &str) -> String {
+    let by_level: Vec<&[Row]> =
+        rows.chunk_by(|a, b| a.level == b.level).filter(|rows| rows[0].level.is_some()).collect();
+    let Some(first) = by_level.first() else { return String::new() };
+    let mut head = vec!["level".to_owned()];
+    let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
+    for (k, row) in first.iter().enumerate() {
+        let column = |value: fn(&Row) -> Option<f64>| by_level.iter().map(|rows| value(&rows[k])).collect();
+        let [own, other]: [Vec<Option<f64>>; 2] = [column(|row| row.adwave), column(|row| row.other)];
+        let is_one = own == other || own.iter().all(Option::is_none);
+        head.push(row.quantity.clone());
+        if !is_one {
+            head.push(method.to_owned());
+            columns.push(own);
+        }
+        columns.push(other);
+    }
+    let cells = |(k, rows): (usize, &&[Row])| {
+        let values = columns.iter().map(|column| column[k].map_or("–".to_owned(), number));
+        rows[0].level.map(|level| level.to_string()).into_iter().chain(values).collect::<Vec<String>>()
+    };
+    format!("\n{}", table(head, by_level.iter().enumerate().map(cells)))
 }
 
 /// Refuses a method of shapes for an image or a volume, and the other way round.
@@ -195,7 +226,8 @@ fn starlet_levels(
 }
 
 fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> Value {
-    let row = |r: &adwave_baselines::compare::Row| json!({"quantity": r.quantity, "adwave": r.adwave, "other": r.other});
+    let row =
+        |r: &Row| json!({"quantity": r.quantity, "level": r.level, "adwave": r.adwave, "other": r.other});
     json!({
         "shape": input.name,
         "vertices": input.shape.n_vertices(),

@@ -3,7 +3,7 @@
 use crate::args::shown_text;
 use crate::error::CliError;
 use crate::global::Global;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, Row, Table, presets};
 use serde_json::Value;
 use std::ffi::OsString;
 use std::io::Write;
@@ -72,7 +72,7 @@ pub(crate) fn plain_text(text: &str) -> String {
 pub(crate) fn note(global: &Global<'_>, text: &str) {
     print_remarks(global);
     if !global.quiet {
-        tell(&format!("note: {}", plain_text(text)));
+        tell(&format!("note: {}", plain_text(&global.inputs.in_row_words(text))));
     }
 }
 
@@ -80,13 +80,13 @@ pub(crate) fn note(global: &Global<'_>, text: &str) {
 pub(crate) fn print_remarks(global: &Global<'_>) {
     for text in global.inputs.take_remarks() {
         if !global.quiet {
-            tell(&format!("note: {}", plain_text(&text)));
+            tell(&format!("note: {}", plain_text(&global.inputs.in_row_words(&text))));
         }
     }
 }
 
 /// A table with a head, numbers aligned to the right.
-pub(crate) fn table<const N: usize>(head: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+pub(crate) fn table<R: Into<Row>>(head: impl Into<Row>, rows: impl IntoIterator<Item = R>) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(head).add_rows(rows);
     for column in table.column_iter_mut() {

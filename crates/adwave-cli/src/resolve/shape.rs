@@ -188,6 +188,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         } else {
             read(source.shape, &source.part, global)?
         };
+        global.inputs.set_row_words(row_words(&file));
         note_left_out(&file, &name, global);
         for text in file.notes() {
             global.inputs.add_remark(text.clone());

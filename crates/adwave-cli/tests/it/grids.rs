@@ -111,6 +111,22 @@ fn nothing_crosses_a_mask_and_the_rest_keeps_its_values() {
 }
 
 #[test]
+fn messages_speak_of_the_places_of_a_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    write_path(&volume(|p| rough(p) - 1000.0), &folder.path().join("v.nii"), None).unwrap();
+    for (line, told) in [
+        ("denoise v.nii -o d.nii --noise-model rician", "and voxel 0 has"),
+        ("denoise v.nii -o d.nii --noise-model poisson", "mask such voxels"),
+        ("filter v.nii -o s.nii --preset smooth --only values=9e9..", "has no voxel; widen it"),
+        ("filter sample:hills -o s.tif --preset smooth --only values=9e9..", "has no pixel; widen it"),
+        ("filter v.nii -o s.nii --gains 1,1 --region ball:vertex=5000,radius=3", "names voxel 5000"),
+    ] {
+        let error = refused(folder.path(), line);
+        assert!(error.contains(told) && !error.contains("vertices"), "{line}: {error}");
+    }
+}
+
+#[test]
 fn bands_of_a_volume_sum_to_its_values() {
     let folder = tempfile::tempdir().unwrap();
     write_path(&volume(rough), &folder.path().join("v.nii"), None).unwrap();

@@ -185,10 +185,10 @@ fn grids_that_do_not_fit_are_refused_with_both_numbers() {
 }
 
 /// Number of a row of a comparison for ours and the other method.
-fn row(report: &Value, quantity: &str) -> [Option<f64>; 2] {
+fn row(report: &Value, level: usize, quantity: &str) -> [Option<f64>; 2] {
     let rows = report["rows"].as_array().unwrap();
-    let row =
-        rows.iter().find(|row| row["quantity"] == quantity).unwrap_or_else(|| panic!("{quantity}: {rows:?}"));
+    let is_asked = |row: &&Value| row["quantity"] == quantity && row["level"] == level;
+    let row = rows.iter().find(is_asked).unwrap_or_else(|| panic!("{quantity}: {rows:?}"));
     ["adwave", "other"].map(|key| row[key].as_f64())
 }
 
@@ -213,26 +213,25 @@ fn comparisons_state_the_numbers_of_their_files() {
             assert!((0..N).all(is_same), "{method}: bands and rest sum to the input");
         }
         for (level, (a, b)) in own.iter().zip(&other).take(2).enumerate() {
-            let name = |what: &str| format!("level {}: {what}", level + 1);
-            let [ours, theirs] = row(&report, &name("rms of W")).map(Option::unwrap);
+            let [ours, theirs] = row(&report, level + 1, "rms of W").map(Option::unwrap);
             let difference = rms(a.iter().zip(b).map(|(a, b)| a - b));
             assert!((ours / rms(a.iter().copied()) - 1.0).abs() < 1e-4, "{method} {ours}");
             assert!((theirs / rms(b.iter().copied()) - 1.0).abs() < 1e-4, "{method} {theirs}");
-            let [_, relative] = row(&report, &name("rms difference of W / rms of ours"));
+            let [_, relative] = row(&report, level + 1, "W differs by");
             assert!((relative.unwrap() - difference / ours).abs() < 1e-4, "{method} {relative:?}");
         }
         let mean = |values: &[f64]| {
             let known = values.iter().filter(|v| v.is_finite());
             known.clone().sum::<f64>() / known.count() as f64
         };
-        let changes = row(&report, "level 2: change of the mean of S").map(Option::unwrap);
+        let changes = row(&report, 2, "mean of S off by").map(Option::unwrap);
         for (change, frames) in changes.iter().zip([&own, &other]) {
             assert!((mean(&frames[2]) - mean(&input) - change).abs() < 1e-3, "{method} {change}");
         }
         assert!(changes[0].abs() < 1e-7, "heat keeps the sum: {changes:?}");
-        let below = row(&report, "level 2: S below the least value").map(Option::unwrap);
+        let below = row(&report, 2, "S below data").map(Option::unwrap);
         assert!(below.iter().all(|below| *below < 1e-6), "{below:?}");
-        let [sigma, width] = row(&report, "level 2: width σ").map(Option::unwrap);
+        let [sigma, width] = row(&report, 2, "σ").map(Option::unwrap);
         assert!((sigma - 8.0).abs() < 1e-9, "{sigma}");
         // Two passes of the spline: variances 1 + 4 in places along each axis.
         let expected = match method {
@@ -242,7 +241,7 @@ fn comparisons_state_the_numbers_of_their_files() {
         assert!((width / expected - 1.0).abs() < 1e-3, "{method} {width}");
     }
     let report = json(folder.path(), "compare whole.nii --with starlet --levels 2 -o out");
-    let [ours, theirs] = row(&report, "level 2: width σ").map(Option::unwrap);
+    let [ours, theirs] = row(&report, 2, "σ").map(Option::unwrap);
     assert!((ours - theirs).abs() < 1e-9, "levels have the widths of the starlet: {ours} {theirs}");
 }
 

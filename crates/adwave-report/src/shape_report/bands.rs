@@ -1,7 +1,7 @@
 //! Bands section: widths, energies and pictures of the bands.
 
 use super::Subject;
-use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
+use super::drawing::{FieldLook, PictureSpec, Scale, SignalPictures, Studio};
 use crate::detail::detail_loss;
 use crate::page::{Block, Figure, Image, Section};
 use crate::table::{NONE, Table, column, digits};
@@ -342,19 +342,14 @@ fn chart_figure(chart: &Chart, alt: &str, caption: String) -> Result<Figure, Str
 
 fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure>, String> {
     let bands = subject.bands;
-    let scaling = bands.all_scaling();
+    let (scaling, signal) = (bands.all_scaling(), SignalPictures::new(subject));
     let specs: Vec<PictureSpec<'_>> = select_levels(bands.n_levels())
         .into_iter()
         .map(|j| {
             let caption =
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
             let values = &scaling[(j * subject.values.len())..][..subject.values.len()];
-            PictureSpec::signal_picture(
-                subject,
-                values,
-                format!("{} smoothed to level {j}", subject.signal),
-                caption,
-            )
+            signal.picture(values, format!("{} smoothed to level {j}", subject.signal), caption)
         })
         .collect();
     studio.draw(&specs)

@@ -62,25 +62,6 @@ impl<'a> PictureSpec<'a> {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
     }
 
-    /// Describes a picture of values of the subject's signal: as positions of the vertices, or as colors in the range of
-    /// the signal.
-    pub(crate) fn signal_picture(
-        subject: &Subject<'_>,
-        values: &[f64],
-        alt: String,
-        caption: String,
-    ) -> Self {
-        let spec = Self::plain(alt, caption);
-        if subject.is_geometry() {
-            return spec.with_positions(values.as_chunks().0.to_vec());
-        }
-        let mut scale = Scale::from_percentiles(&subject.scalar(subject.values));
-        if subject.grid.is_some() {
-            scale = scale.in_gray();
-        }
-        spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
-    }
-
     /// Sets the positions of the vertices.
     pub(crate) fn with_positions(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
         Self { points: Some(points.into()), ..self }
@@ -94,6 +75,33 @@ impl<'a> PictureSpec<'a> {
     /// Adds balls.
     pub(crate) fn balls(self, balls: Vec<Ball>) -> Self {
         Self { balls, ..self }
+    }
+}
+
+/// Pictures of values of a subject's signal: as positions of the vertices, or as colors in the range of the signal.
+pub(crate) struct SignalPictures<'s> {
+    subject: &'s Subject<'s>,
+    /// Colors; `None` for positions.
+    scale: Option<Scale>,
+}
+
+impl<'s> SignalPictures<'s> {
+    /// Finds the range of the signal. O(vertices).
+    pub(crate) fn new(subject: &'s Subject<'s>) -> Self {
+        let scale = (!subject.is_geometry()).then(|| {
+            let scale = Scale::from_percentiles(&subject.scalar(subject.values));
+            if subject.grid.is_some() { scale.in_gray() } else { scale }
+        });
+        Self { subject, scale }
+    }
+
+    /// Describes a picture of `values`, n_vertices × n_channels.
+    pub(crate) fn picture(&self, values: &[f64], alt: String, caption: String) -> PictureSpec<'static> {
+        let (subject, spec) = (self.subject, PictureSpec::plain(alt, caption));
+        match self.scale {
+            None => spec.with_positions(values.as_chunks().0.to_vec()),
+            Some(scale) => spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale)),
+        }
     }
 }
 

@@ -1,14 +1,14 @@
 //! Features section: places where a level stands out, with their sizes.
 
 use super::Subject;
-use super::drawing::{PictureSpec, Studio};
+use super::drawing::{PictureSpec, SignalPictures, Studio};
 use super::place::Places;
 use crate::analysis::features;
 use crate::page::{Block, Figure, Legend, Section};
 use crate::table::{NONE, Table, digits};
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule};
-use adwave::features::{Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features};
+use adwave::features::{Feature, FeatureParams, Response, ShapeCoordinates, coordinate_features, value_step};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
@@ -29,11 +29,11 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut params = FeatureParams::default();
     if subject.grid.is_some() {
         // The mean of a level, by which the usual response divides, is that of the background of an image.
-        params = params.with_response(Response::Literal);
+        params = params.with_response(Response::Literal).with_value_step(Some(value_step(subject.values)));
     }
     let start = Instant::now();
-    let is_significant = subject.is_geometry() && params.finds_significant(subject.decomposer);
-    let found = if is_significant {
+    let is_significant = params.finds_significant(subject.decomposer);
+    let found = if is_significant && subject.is_geometry() {
         significant_features(subject, &params).map_err(|why| why.to_string())
     } else {
         features(subject.decomposer, subject.bands, &params).map_err(|why| why.to_string())
@@ -49,7 +49,13 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
     let vertex = subject.vertex();
-    let rule = if is_significant {
+    let is_of_values = is_significant && subject.grid.is_some();
+    let rule = if is_of_values {
+        format!(
+            "A feature is a {vertex} where W_j is extremal among its neighbors and stands out from its surroundings by more than \
+             independent noise explains, and by more than on the levels below and above."
+        )
+    } else if is_significant && subject.is_geometry() {
         let causes = if subject.shape.is_cloud() { "the drawing of the points" } else { "the triangles" };
         format!(
             "A feature is a {vertex} where the part of W_j along the normal is extremal among its neighbors and stands out \
@@ -76,7 +82,12 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     });
     section.gallery(pictures(subject, studio, &found));
     section.push(Block::Table(level_table(subject, &found)));
-    section.push(Block::Table(strongest_table(subject, studio, &found)));
+    let strength = if is_of_values {
+        "the contrast of W_j with its surroundings, in standard deviations of the noise"
+    } else {
+        "|W_j| divided by its mean over the level"
+    };
+    section.push(Block::Table(strongest_table(subject, studio, &found, strength)));
     (section, Some(FeatureSummary { features: found, seconds }))
 }
 
@@ -116,12 +127,12 @@ fn level_table(subject: &Subject<'_>, found: &[Feature]) -> Table {
     table
 }
 
-fn strongest_table(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> Table {
+fn strongest_table(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature], strength: &str) -> Table {
     let unit = subject.width_unit();
     let signed = subject.bands.n_channels == 1;
     let places = Places::new(subject, studio.up());
     let caption = format!(
-        "The strongest features{}. The strength is |W_j| divided by its mean over the level{}.",
+        "The strongest features{}. The strength is {strength}{}.",
         if found.len() > MAX_LISTED { format!(", {MAX_LISTED} of {}", found.len()) } else { String::new() },
         if signed { "; the sign is that of W_j: + where the signal is above its surroundings" } else { "" },
     );
@@ -187,7 +198,7 @@ fn pictures(
     let alt = format!("Features of {}", subject.name);
     let caption = "A ball for each feature, of radius σ_j, colored by level.";
     let front = if subject.grid.is_some() {
-        PictureSpec::signal_picture(subject, subject.values, alt, caption.to_owned())
+        SignalPictures::new(subject).picture(subject.values, alt, caption.to_owned())
     } else {
         PictureSpec::plain(alt, format!("{caption} Features on the far side are hidden."))
     };

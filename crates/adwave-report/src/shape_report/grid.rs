@@ -139,8 +139,7 @@ pub(super) fn scene(
         (_, None) => "The values.".to_owned(),
         (_, Some(_)) => "The values; gray where there are none.".to_owned(),
     };
-    section.gallery(studio.draw(&[super::drawing::PictureSpec::signal_picture(
-        subject,
+    section.gallery(studio.draw(&[super::drawing::SignalPictures::new(subject).picture(
         subject.values,
         format!("{} of {}", subject.signal, subject.name),
         caption,

@@ -1,7 +1,7 @@
 //! Presets section: the effect of each preset filter.
 
 use super::Subject;
-use super::drawing::{PictureSpec, Studio};
+use super::drawing::{SignalPictures, Studio};
 use crate::page::{Block, Figure, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
@@ -118,8 +118,8 @@ fn pictures(
     studio: &mut Studio<'_>,
     edited: &[PresetResult],
 ) -> Result<Vec<Figure>, String> {
-    let mut specs = vec![PictureSpec::signal_picture(
-        subject,
+    let signal = SignalPictures::new(subject);
+    let mut specs = vec![signal.picture(
         subject.values,
         format!("The original, {}", subject.name),
         "The original.".to_owned(),
@@ -131,8 +131,7 @@ fn pictures(
             ("suppress-paper", Some(_)) => "removes every band: the rest S_J alone",
             _ => describe_preset(name),
         };
-        specs.push(PictureSpec::signal_picture(
-            subject,
+        specs.push(signal.picture(
             values,
             format!("{} after {name}", subject.name),
             format!("`{name}` {effect}. {}.", describe_change(subject, summary)),

@@ -13,8 +13,11 @@ use crate::operator::{Invariant, Leap, RowWeights};
 use crate::pages::zeros;
 use crate::{Progress, parallel};
 
-/// Accuracies of a leap relative to the requested accuracy of the bands, in the order in which they are tried.
-const MARGINS: [f64; 3] = [1e-1, 1e-3, 1e-6];
+/// Accuracy of a leap relative to the requested accuracy of the bands, or to what a band that missed it needs.
+const MARGIN: f64 = 0.1;
+
+/// Most times that all leaps are taken, each time with the accuracy that the one before shows to be needed.
+const MOST_ATTEMPTS: usize = 4;
 
 /// Rounding of a difference of two signals relative to the larger one.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -43,17 +46,18 @@ impl Transform {
         };
         let steps = schedule.steps_from_zero();
         let mut missed: Option<(usize, f64)> = None;
-        for margin in MARGINS {
-            let asked = (margin * accuracy).max(FINEST_ACCURACY);
+        let mut asked = (MARGIN * accuracy).max(FINEST_ACCURACY);
+        for _ in 0..MOST_ATTEMPTS {
             let (mut now, mut next, mut error, mut worst) = (centered(), zeros(signal.len()), 0.0, 0.0_f64);
             let before_that = missed.take();
-            let mut n_leaps = 0;
+            let (mut n_leaps, mut largest_bound) = (0, 0.0_f64);
             for (level, pair) in steps.windows(2).enumerate() {
                 progress.step(level as u64, schedule.n_levels() as u64)?;
                 let (size, before) = (norm(&now), error);
                 let bound =
                     leap.take_steps(pair[1] - pair[0], &now, n_channels, asked, &mut next, progress.quiet())?;
                 n_leaps += 1;
+                largest_bound = largest_bound.max(bound);
                 error = before + bound * size;
                 parallel::visit_rows(&mut now, 1, super::bands::VERTICES_AT_A_TIME, |first, rows| {
                     rows.iter_mut().zip(&next[first..]).for_each(|(now, next)| *now -= next);
@@ -76,6 +80,8 @@ impl Transform {
             if asked <= FINEST_ACCURACY || missed == before_that {
                 break;
             }
+            // What the leaps reached, not what was asked: they may be far more accurate.
+            asked = (MARGIN * largest_bound * accuracy / worst).clamp(FINEST_ACCURACY, asked);
         }
         let (level, reached) = missed.expect("a band missed the accuracy");
         Err(BandsError::Missed { level, accuracy, reached })

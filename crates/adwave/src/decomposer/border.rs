@@ -21,10 +21,15 @@ impl Decomposer {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
+        let reach = radius * (1.0 + ROUNDING);
+        if let Some(mut distances) = self.domain().border_distances(self.mask_flags(), reach, progress)? {
+            distances.iter_mut().for_each(|distance| *distance *= 1.0 - ROUNDING);
+            return Ok(distances);
+        }
         let metric = self.metric();
         let line = |x: usize| FrontSource { extent: SourceExtent::Line, ..metric.vertex_source(x, 0.0) };
         let sources: Vec<FrontSource> = self.border(progress)?.into_iter().map(line).collect();
-        let within = metric.find_within(&sources, radius * (1.0 + ROUNDING), progress)?;
+        let within = metric.find_within(&sources, reach, progress)?;
         let mut distances = vec![f64::INFINITY; self.n_places()];
         for (&x, distance) in within.vertices.iter().zip(within.distances) {
             distances[x as usize] = distance * (1.0 - ROUNDING);

@@ -152,6 +152,20 @@ pub trait Domain: Any + Debug + Send + Sync {
         })
     }
 
+    /// Distance of each place from the nearest place of the [`border`](Self::border) along the domain, in model units,
+    /// infinite beyond `radius`; `None` if the caller has to search for it from neighbor to neighbor.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    fn border_distances(
+        &self,
+        _masked: Option<&[bool]>,
+        _radius: f64,
+        _progress: Progress<'_>,
+    ) -> Result<Option<Vec<f64>>, Cancelled> {
+        Ok(None)
+    }
+
     /// True if the places may fill a volume, and need not lie on a surface.
     fn may_fill_volume(&self) -> bool {
         false

@@ -13,7 +13,6 @@ use super::surface::without_side_lobes;
 use super::{Feature, FeatureError, FeatureParams, Refinement};
 use crate::bands::Wavelets;
 use crate::grid::{Grid, MAX_AXES, NoiseMeasure, NoisePatches};
-use crate::shape::Adjacency;
 use crate::{Decomposer, Progress, parallel};
 use std::borrow::Cow;
 
@@ -78,12 +77,11 @@ pub(super) fn grid_features(
     let levels: Vec<_> = (1..=n_levels).map(|j| wavelets.level_norms(j)).collect();
     let largest =
         levels.iter().map(|level| parallel::max(level.len(), 0.0, |x| level[x].abs())).fold(0.0, f64::max);
-    let ring = decomposer.ring(progress)?;
     let border_sigmas = params.border_sigmas.unwrap_or(BORDER);
     let from_border = decomposer.distance_from_border(border_sigmas * wavelets.sigma[n_levels], progress)?;
     let search = SpotSearch {
         grid,
-        ring: &ring,
+        masked: decomposer.mask_flags(),
         noise: noise(grid, &levels, &wavelets.sigma, decomposer.domain().spacings()[0]),
         least: wavelets.info.error_bound.max(f64::EPSILON) * largest / SIGNIFICANT,
         params,
@@ -169,7 +167,8 @@ struct ThreeLevels<'a> {
 
 struct SpotSearch<'a> {
     grid: &'a Grid,
-    ring: &'a Adjacency,
+    /// Places that are left out.
+    masked: Option<&'a [bool]>,
     noise: NoisePatches,
     /// Error of the bands, in units of the response.
     least: f64,
@@ -177,25 +176,30 @@ struct SpotSearch<'a> {
 }
 
 impl SpotSearch<'_> {
+    /// The neighbors of a place along the axes.
+    fn neighbors(&self, x: usize) -> impl Iterator<Item = usize> + '_ {
+        self.grid.sides(x).filter(|&y| self.masked.is_none_or(|masked| !masked[y]))
+    }
+
     /// The feature at a place, if it is significant.
     fn candidate(&self, x: usize, level: &ThreeLevels<'_>, decomposer: &Decomposer) -> Option<Feature> {
         let here = level.levels[1];
         let response = here[x];
-        let deviation = self.deviation(x, level);
-        if response.is_nan() || response.abs() <= SIGNIFICANT * deviation {
+        // Most places fall below the least deviation of all, or are no peaks.
+        if response.is_nan() || response.abs() <= SIGNIFICANT * self.least {
             return None;
         }
         let sign = response.signum();
         let height = response.abs();
         let tie = TIE * height;
-        let is_below = |y: u32| {
-            let difference = height - sign * here[y as usize];
-            y as usize == x || difference > tie || (difference >= -tie && x < y as usize)
+        let is_below = |y: usize| {
+            let difference = height - sign * here[y];
+            y == x || difference > tie || (difference >= -tie && x < y)
         };
-        let neighbors = self.ring.row(x);
         let is_peak =
-            neighbors.iter().all(|&y| is_below(y) && self.ring.row(y as usize).iter().all(|&z| is_below(z)));
-        if !is_peak {
+            self.neighbors(x).all(is_below) && self.neighbors(x).all(|y| self.neighbors(y).all(is_below));
+        let deviation = self.deviation(x, level);
+        if !is_peak || height <= SIGNIFICANT * deviation {
             return None;
         }
         let around = level.around.iter().filter_map(|step| self.grid.place_at(x, step));
@@ -224,7 +228,10 @@ impl SpotSearch<'_> {
             channel: None,
         };
         if let Some(most) = self.params.max_edge_ratio {
-            let local = TangentNeighborhood::new(decomposer, neighbors, x);
+            let mut neighbors: Vec<u32> = self.neighbors(x).map(|y| y as u32).collect();
+            neighbors.sort_unstable();
+            neighbors.dedup();
+            let local = TangentNeighborhood::new(decomposer, &neighbors, x);
             if edge_ratio(&local, &ResponseLevel::plain(here)).is_none_or(|ratio| ratio > most) {
                 return None;
             }

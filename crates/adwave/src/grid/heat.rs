@@ -1,14 +1,14 @@
 //! Heat on a grid: a stencil, and all steps at once where every place has data.
 
-use super::Axes;
 use super::lines::{APPROXIMATIONS, Lines};
-use crate::operator::{DiffusionError, Leap, Operator, Semigroup};
-use crate::{Cancelled, Progress, parallel};
-use std::ops::Range;
-use std::sync::Arc;
-
-/// Values that a thread computes at a time, about.
-const VALUES_AT_A_TIME: usize = 1 << 14;
+use super::runs::Runs;
+use super::steps::RunSteps;
+use super::{Axes, MAX_AXES};
+use crate::operator::{
+    DifferenceSteps, DiffusionError, Leap, Operator, RowOutput, RowWeights, Semigroup, SignalBlock, Steps,
+};
+use crate::{Cancelled, Progress};
+use std::sync::{Arc, OnceLock};
 
 /// Heat on a grid, `exp(−n·τ·L)` after n steps, with `L = Σ_a D_a/h_a²`, the second differences D of each axis and its
 /// spacing h. τ is a quarter of the square of the smallest spacing, so that σ² = 4τn, as on a surface and on a curve, and
@@ -20,27 +20,22 @@ const VALUES_AT_A_TIME: usize = 1 << 14;
 pub struct GridHeat {
     axes: Axes,
     /// Places that belong to the data; all if `None`.
-    kept: Option<Kept>,
-}
-
-/// Places that belong to the data.
-#[derive(Clone, Debug)]
-struct Kept {
-    flags: Arc<[bool]>,
-    /// Range from the first to the last of them in each row along the last axis.
-    ranges: Arc<[Range<usize>]>,
+    kept: Option<Arc<[bool]>>,
+    /// The places with data and their neighbors, for steps that are no leaps.
+    runs: Arc<OnceLock<Runs>>,
 }
 
 impl GridHeat {
     pub(super) fn new(axes: Axes, kept: Option<Arc<[bool]>>) -> Self {
-        let kept = kept.map(|flags| {
-            let range = |row: &[bool]| {
-                let first = row.iter().position(|kept| *kept).unwrap_or(0);
-                first..row.iter().rposition(|kept| *kept).map_or(first, |last| last + 1)
-            };
-            Kept { ranges: flags.chunks_exact(axes.sizes[axes.sizes.len() - 1]).map(range).collect(), flags }
-        });
-        Self { axes, kept }
+        Self { axes, kept, runs: Arc::default() }
+    }
+
+    fn runs(&self) -> &Runs {
+        self.runs.get_or_init(|| {
+            let mut weights = [0.0; MAX_AXES];
+            self.axes.long().for_each(|axis| weights[axis] = self.side_weight(axis) / (4.0 * self.rate()));
+            Runs::new(&self.axes, self.kept.as_deref(), weights)
+        })
     }
 
     /// Weight of a side along `axis`, 1/h² in units of the smallest spacing.
@@ -78,35 +73,7 @@ impl Operator for GridHeat {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        let (axes, rate) = (&self.axes, self.rate());
-        let last = axes.sizes.len() - 1;
-        let row_len = axes.sizes[last] * n_channels;
-        let at_a_time = VALUES_AT_A_TIME.div_ceil(row_len);
-        parallel::try_visit_rows(out, row_len, at_a_time, progress, |first, rows| {
-            for (k, out) in rows.chunks_exact_mut(row_len).enumerate() {
-                let start = (first + k) * axes.sizes[last];
-                out.fill(0.0);
-                let part =
-                    self.kept.as_ref().map_or(0..axes.sizes[last], |kept| kept.ranges[first + k].clone());
-                if part.is_empty() {
-                    continue;
-                }
-                for axis in axes.long() {
-                    let weight = self.side_weight(axis) / (4.0 * rate);
-                    let pairs =
-                        Pairs { x, n_channels, kept: self.kept.as_ref().map(|kept| &*kept.flags), weight };
-                    let ends = [start, start + axes.sizes[last] - 1];
-                    let places = start + part.start..start + part.end;
-                    let out = &mut out[part.start * n_channels..part.end * n_channels];
-                    if axis == last {
-                        pairs.add_along(&places, axes.is_periodic[axis].then_some(ends), out);
-                    } else {
-                        let sides = axes.sides(axis, places.start, axes.coordinate(axis, places.start));
-                        sides.into_iter().flatten().for_each(|other| pairs.add(places.clone(), other, out));
-                    }
-                }
-            }
-        })
+        self.runs().difference(x, n_channels, out, progress)
     }
 
     fn masked(
@@ -118,7 +85,7 @@ impl Operator for GridHeat {
         if masked.len() != self.n_rows() {
             return Err(DiffusionError::RowCount { n_rows: self.n_rows(), n_vertices: masked.len() });
         }
-        let was_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept.flags[place]);
+        let was_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept[place]);
         let kept = masked.iter().enumerate().map(|(place, masked)| !masked && was_kept(place)).collect();
         Ok(Some(Arc::new(Self::new(self.axes.clone(), Some(kept)))))
     }
@@ -130,58 +97,16 @@ impl Operator for GridHeat {
     fn leap(&self) -> Option<&dyn Leap> {
         self.kept.is_none().then_some(self)
     }
-}
 
-/// Differences of a signal between places and places at a distance.
-struct Pairs<'a> {
-    x: &'a [f64],
-    n_channels: usize,
-    kept: Option<&'a [bool]>,
-    weight: f64,
-}
-
-impl Pairs<'_> {
-    /// Adds the weighted differences of a row of places and the places from `other` on to `out`; none where one of the
-    /// two is left out.
-    fn add(&self, row: Range<usize>, other: usize, out: &mut [f64]) {
-        let (n, d) = (row.len(), self.n_channels);
-        let here = &self.x[row.start * d..][..n * d];
-        let there = &self.x[other * d..][..n * d];
-        let weight = self.weight;
-        let Some(kept) = self.kept else {
-            for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
-                *out += weight * (here - there);
-            }
-            return;
-        };
-        let both = kept[row].iter().zip(&kept[other..][..n]).map(|(a, b)| a & b);
-        if d == 1 {
-            for (((out, here), there), both) in out.iter_mut().zip(here).zip(there).zip(both) {
-                let difference = weight * (here - there);
-                *out += if both { difference } else { 0.0 };
-            }
-            return;
+    fn start<'a>(
+        &'a self,
+        block: SignalBlock<'a>,
+        progress: Progress<'_>,
+    ) -> Result<Box<dyn Steps + 'a>, Cancelled> {
+        if matches!(block.output, RowOutput::Channels) && block.weights == RowWeights::Uniform {
+            return Ok(Box::new(RunSteps::new(self.runs(), self.axes.n_places(), &block, progress)?));
         }
-        let values = out.chunks_exact_mut(d).zip(here.chunks_exact(d)).zip(there.chunks_exact(d));
-        for (((out, here), there), _) in values.zip(both).filter(|(_, both)| *both) {
-            for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
-                *out += weight * (here - there);
-            }
-        }
-    }
-
-    /// Adds the differences between adjacent places of a part of a row, which others do not adjoin, and between the ends
-    /// of the row if it is a ring.
-    fn add_along(&self, part: &Range<usize>, ring: Option<[usize; 2]>, out: &mut [f64]) {
-        let (Range { start, end }, d) = (part.clone(), self.n_channels);
-        if let Some([first, last]) = ring.filter(|[first, _]| *first == start) {
-            self.add(first..first + 1, last, &mut out[..d]);
-        }
-        self.add(start + 1..end, start, &mut out[d..]);
-        self.add(start..end - 1, start + 1, &mut out[..(end - 1 - start) * d]);
-        if let Some([first, last]) = ring.filter(|[_, last]| *last + 1 == end) {
-            self.add(last..last + 1, first, &mut out[(end - 1 - start) * d..]);
-        }
+        Ok(Box::new(DifferenceSteps::new(self, block, progress)?))
     }
 }
 

@@ -122,10 +122,17 @@ impl Lines {
             for (k, tile) in rows.chunks_exact_mut(tile_len).enumerate() {
                 let line = (first + k) * TOGETHER;
                 let n_here = TOGETHER.min(n_lines - line);
-                for lane in 0..n_here {
-                    let start = start(line + lane);
-                    for at in 0..n {
-                        tile[at * TOGETHER + lane] = given[start + at * inner];
+                let first = start(line);
+                if line % inner + TOGETHER <= inner {
+                    for (at, values) in tile.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
+                        values.copy_from_slice(&given[first + at * inner..][..TOGETHER]);
+                    }
+                } else {
+                    for lane in 0..n_here {
+                        let start = start(line + lane);
+                        for at in 0..n {
+                            tile[at * TOGETHER + lane] = given[start + at * inner];
+                        }
                     }
                 }
                 if is_leveled {
@@ -136,14 +143,27 @@ impl Lines {
             }
         })?;
         parallel::try_visit_rows(values, 1, VALUES_AT_A_TIME, progress, |first, rows| {
-            let (mut outer, mut rest) = (first / (n * inner), first % (n * inner));
-            for value in rows {
+            let mut done = 0;
+            while done < rows.len() {
+                // Up to the end of a line, or of the lines side by side at one place.
+                let (outer, rest) = ((first + done) / (n * inner), (first + done) % (n * inner));
                 let (at, line) = (rest / inner, outer * inner + rest % inner);
-                *value = tiles[line / TOGETHER * tile_len + at * TOGETHER + line % TOGETHER];
-                rest += 1;
-                if rest == n * inner {
-                    (outer, rest) = (outer + 1, 0);
-                }
+                let (lane, from) = (line % TOGETHER, line / TOGETHER * tile_len + at * TOGETHER);
+                let n_left = rows.len() - done;
+                let n_here = if inner == 1 {
+                    let n_here = n_left.min(n - at);
+                    let places = tiles[from..].chunks_exact(TOGETHER);
+                    rows[done..done + n_here]
+                        .iter_mut()
+                        .zip(places)
+                        .for_each(|(value, place)| *value = place[lane]);
+                    n_here
+                } else {
+                    let n_here = n_left.min(TOGETHER - lane).min(inner - rest % inner);
+                    rows[done..done + n_here].copy_from_slice(&tiles[from + lane..][..n_here]);
+                    n_here
+                };
+                done += n_here;
             }
         })
     }

@@ -20,18 +20,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod distance;
 mod heat;
 mod lines;
 mod places;
+mod runs;
+mod steps;
 
 pub use heat::GridHeat;
 pub(crate) use places::{NoiseMeasure, NoisePatches};
 
 use crate::domain::Domain;
 use crate::shape::{Adjacency, VertexMap, squared_distance};
-use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
+use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use std::any::Any;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
@@ -243,8 +247,22 @@ impl Grid {
         self.kept.as_ref().is_none_or(|kept| kept[place])
     }
 
+    /// True if a place has data and is not masked.
+    fn is_part(&self, place: usize, masked: Option<&[bool]>) -> bool {
+        self.is_kept(place) && masked.is_none_or(|masked| !masked[place])
+    }
+
+    /// True for a place with data at a border that reflects or next to a place that is left out.
+    fn is_border(&self, place: usize, masked: Option<&[bool]>) -> bool {
+        let is_end = |axis: usize| {
+            let sides = self.axes.sides(axis, place, self.axes.coordinate(axis, place));
+            sides.iter().any(|side| side.is_none_or(|other| !self.is_part(other, masked)))
+        };
+        self.is_part(place, masked) && self.axes.long().any(is_end)
+    }
+
     /// The neighbors of a place along the axes.
-    fn sides(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn sides(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
         let all = (0..self.axes.sizes.len())
             .flat_map(move |axis| self.axes.sides(axis, place, self.axes.coordinate(axis, place)))
             .flatten();
@@ -263,7 +281,7 @@ impl Domain for Grid {
 
     fn positions(&self) -> &[[f64; 3]] {
         self.positions.get_or_init(|| {
-            crate::parallel::collect(self.n_places(), |place| self.position_at(self.coordinates(place)))
+            parallel::collect(self.n_places(), |place| self.position_at(self.coordinates(place)))
         })
     }
 
@@ -272,18 +290,36 @@ impl Domain for Grid {
     }
 
     fn extent(&self, masked: Option<&[bool]>) -> f64 {
+        /// Rows along the last axis that a thread looks at at a time.
+        const ROWS_AT_A_TIME: usize = 64;
         if self.kept.is_none() && masked.is_none() {
             return self.diagonal();
         }
-        let is_part = |place: usize| self.is_kept(place) && masked.is_none_or(|masked| !masked[place]);
+        let (last, n_axes) = (self.axes.sizes.len() - 1, self.axes.sizes.len());
+        let row_len = self.axes.sizes[last];
+        let none = [(usize::MAX, 0); MAX_AXES];
+        let join = |a: [(usize, usize); MAX_AXES], b: [(usize, usize); MAX_AXES]| {
+            std::array::from_fn(|axis| (a[axis].0.min(b[axis].0), a[axis].1.max(b[axis].1)))
+        };
+        let of_row = |row: usize| {
+            let (first, mut places) = (row * row_len, row * row_len..(row + 1) * row_len);
+            let Some(low) = places.clone().find(|&place| self.is_part(place, masked)) else { return none };
+            let high = places.rfind(|&place| self.is_part(place, masked)).unwrap_or(low);
+            std::array::from_fn(|axis| match axis {
+                axis if axis < last => (self.axes.coordinate(axis, first), self.axes.coordinate(axis, first)),
+                axis if axis == last => (low - first, high - first),
+                _ => (0, 0),
+            })
+        };
+        let parts = parallel::map_chunks(self.n_places() / row_len, ROWS_AT_A_TIME, |rows| {
+            rows.map(of_row).fold(none, join)
+        });
+        let bounds = parts.into_iter().fold(none, join);
         let square = |axis: usize| {
-            let at = (0..self.n_places())
-                .filter(|&place| is_part(place))
-                .map(|place| self.axes.coordinate(axis, place));
-            let (low, high) = at.fold((usize::MAX, 0), |(low, high), at| (low.min(at), high.max(at)));
+            let (low, high) = bounds[axis];
             (high.saturating_sub(low) as f64 * self.axes.spacings[axis]).powi(2)
         };
-        (0..self.axes.sizes.len()).map(square).sum::<f64>().sqrt()
+        (0..n_axes).map(square).sum::<f64>().sqrt()
     }
 
     fn diagonal(&self) -> f64 {
@@ -292,21 +328,28 @@ impl Domain for Grid {
     }
 
     fn neighbors(&self, progress: Progress<'_>) -> Result<Option<Cow<'_, Adjacency>>, Cancelled> {
-        progress.check()?;
+        /// Places that a thread lists at a time.
+        const PLACES_AT_A_TIME: usize = 1 << 14;
         let n = self.n_places();
-        let (mut offsets, mut columns) = (Vec::with_capacity(n + 1), Vec::new());
-        offsets.push(0);
-        for place in 0..n {
-            let start = columns.len();
-            columns.extend(self.sides(place).map(|other| other as u32));
-            columns[start..].sort_unstable();
-            // Along a repeating axis of two places the places before and after are the same.
-            if columns[start..].windows(2).any(|pair| pair[0] == pair[1]) {
-                let mut row = columns.split_off(start);
-                row.dedup();
+        let listed = |(): &mut (), places: Range<usize>| {
+            let (mut ends, mut columns) = (Vec::with_capacity(places.len()), Vec::new());
+            let mut row = Vec::with_capacity(2 * MAX_AXES);
+            for place in places {
+                row.extend(self.sides(place).map(|other| other as u32));
+                row.sort_unstable();
+                row.dedup(); // on a ring of two places, those before and after are the same
                 columns.append(&mut row);
+                ends.push(columns.len());
             }
-            offsets.push(columns.len());
+            (ends, columns)
+        };
+        let parts = parallel::try_map_chunks(n, PLACES_AT_A_TIME, progress, || (), listed)?;
+        let n_columns = parts.iter().map(|(_, columns)| columns.len()).sum();
+        let (mut offsets, mut columns) = (Vec::with_capacity(n + 1), Vec::with_capacity(n_columns));
+        offsets.push(0);
+        for (ends, part) in parts {
+            offsets.extend(ends.into_iter().map(|end| columns.len() + end));
+            columns.extend(part);
         }
         let adjacency = Adjacency::new(offsets, columns, n).expect("rows of places in ascending order");
         Ok(Some(Cow::Owned(adjacency)))
@@ -323,15 +366,16 @@ impl Domain for Grid {
         progress: Progress<'_>,
     ) -> Result<Vec<usize>, Cancelled> {
         progress.check()?;
-        let is_part = |place: usize| self.is_kept(place) && masked.is_none_or(|masked| !masked[place]);
-        let is_border = |place: &usize| {
-            let ends = self.axes.long().any(|axis| {
-                let sides = self.axes.sides(axis, *place, self.axes.coordinate(axis, *place));
-                sides.iter().any(|side| side.is_none_or(|other| !is_part(other)))
-            });
-            is_part(*place) && ends
-        };
-        Ok((0..self.n_places()).filter(is_border).collect())
+        Ok((0..self.n_places()).filter(|&place| self.is_border(place, masked)).collect())
+    }
+
+    fn border_distances(
+        &self,
+        masked: Option<&[bool]>,
+        radius: f64,
+        progress: Progress<'_>,
+    ) -> Result<Option<Vec<f64>>, Cancelled> {
+        Self::border_distances(self, masked, radius, progress).map(Some)
     }
 
     fn squared_length(&self, x: usize, y: usize) -> f64 {

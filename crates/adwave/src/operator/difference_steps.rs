@@ -11,7 +11,7 @@ const ROWS_AT_A_TIME: usize = 2048;
 const STEPS_PER_PASS: usize = 4;
 
 /// The vectors `T_k(Y)u` for increasing k.
-pub(super) struct DifferenceSteps<'a, O: ?Sized> {
+pub(crate) struct DifferenceSteps<'a, O: ?Sized> {
     operator: &'a O,
     weights: RowWeights<'a>,
     /// Vectors `T_k u` and `T_{k−1} u`, n_rows × width.
@@ -31,7 +31,7 @@ pub(super) struct DifferenceSteps<'a, O: ?Sized> {
 
 impl<'a, O: Operator + ?Sized> DifferenceSteps<'a, O> {
     /// Starts at `T_0 u = u = (I − Φ₁)f`.
-    pub(super) fn new(
+    pub(crate) fn new(
         operator: &'a O,
         block: SignalBlock<'a>,
         progress: Progress<'_>,

@@ -12,6 +12,7 @@ mod row_function;
 mod spectrum;
 mod surface;
 
+pub(crate) use difference_steps::DifferenceSteps;
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub(crate) use guided::{Sites, site_diffusion, typical_square};
 pub use interface::{

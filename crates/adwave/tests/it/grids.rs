@@ -1,11 +1,11 @@
 //! Grids: heat by its eigenvectors, borders, masks, and what all domains share.
 
-use adwave::bands::{BandsParams, Engine, Schedule};
+use adwave::bands::{BandsParams, Engine, Schedule, Transform};
 use adwave::denoise::{DenoiseParams, denoise_signal};
 use adwave::features::{FeatureParams, Response, features};
-use adwave::grid::{Grid, GridError};
-use adwave::operator::Operator;
-use adwave::{Decomposer, Progress};
+use adwave::grid::{Grid, GridError, GridHeat};
+use adwave::operator::{Operator, Semigroup};
+use adwave::{Cancelled, Decomposer, Progress};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use std::f64::consts::{PI, TAU};
@@ -221,6 +221,127 @@ fn nothing_crosses_a_mask_and_a_full_one_changes_nothing() {
     );
     let c = open.unwrap().masked(&masked).unwrap().decompose(&values, 1, &schedule).unwrap();
     assert!(largest_difference(a.coarsest(), c.coarsest()) < 1e-9);
+}
+
+#[test]
+fn weak_coarse_bands_are_computed_by_finer_leaps() {
+    // The errors of the fewest poles, relative to the fast wave, are larger than 1e-4 of the slow one.
+    let sizes = [96, 80];
+    let grid = Grid::new(&sizes, &[1.0; 2]).unwrap();
+    let values = image(&sizes, |at| {
+        let wave = |k: f64| (PI * k * (at[0] as f64 + 0.5) / sizes[0] as f64).cos();
+        wave(60.0) + 1e-4 * wave(1.0)
+    });
+    let schedule = Schedule::dyadic(12).unwrap();
+    for accuracy in [1e-4, 1e-6] {
+        let request = decomposer(&grid);
+        let bands = request.request(&values, 1, &schedule).accuracy(accuracy).bands().unwrap();
+        assert_eq!(bands.info.engine, Engine::Leaps, "{accuracy:e}");
+        assert!(bands.info.error_bound <= accuracy);
+        let series = BandsParams::default().with_engine(Engine::Chebyshev);
+        let exact = request.request(&values, 1, &schedule).params(&series).bands().unwrap();
+        for (a, b) in bands.wavelets().zip(exact.wavelets()) {
+            let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+            let off = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
+            assert!(off <= accuracy * norm(&mut b.iter().copied()), "{off:e} to {accuracy:e}");
+        }
+    }
+}
+
+/// Heat on a grid by its products alone.
+#[derive(Debug)]
+struct Products(GridHeat);
+
+impl Operator for Products {
+    fn n_rows(&self) -> usize {
+        self.0.n_rows()
+    }
+
+    fn is_reversible(&self) -> bool {
+        true
+    }
+
+    fn semigroup(&self) -> Semigroup {
+        self.0.semigroup()
+    }
+
+    fn difference(
+        &self,
+        x: &[f64],
+        n_channels: usize,
+        out: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        self.0.difference(x, n_channels, out, progress)
+    }
+}
+
+#[test]
+fn steps_between_places_with_data_are_second_differences() {
+    let cases: [(&[usize], &[f64], &[bool]); 6] = [
+        (&[2500], &[1.0], &[true]),
+        (&[7, 1100], &[1.0, 2.0], &[false, false]),
+        (&[2, 9], &[1.0, 0.5], &[true, true]),
+        (&[6, 5, 8], &[2.0, 1.0, 3.0], &[true, false, true]),
+        (&[5, 2, 2], &[1.0, 1.0, 1.5], &[true, true, true]),
+        (&[4, 1, 3], &[1.0, 0.1, 1.0], &[false, true, false]),
+    ];
+    for (sizes, spacings, periodic) in cases {
+        let whole = Grid::new(sizes, spacings).unwrap().with_periodic(periodic).unwrap();
+        let n = whole.n_places();
+        let kept: Vec<bool> = noise(n, 3).iter().map(|v| *v > -0.2).collect();
+        for (kept, grid) in [(vec![true; n], whole.clone()), (kept.clone(), whole.with_kept(kept).unwrap())] {
+            let (n_channels, heat) = (11, grid.heat());
+            let values = noise(n * n_channels, 5);
+            let at = |mut place: usize| {
+                let mut at = vec![0; sizes.len()];
+                for axis in (0..sizes.len()).rev() {
+                    at[axis] = place % sizes[axis];
+                    place /= sizes[axis];
+                }
+                at
+            };
+            let long = |axis: &usize| sizes[*axis] > 1;
+            let all: f64 = (0..sizes.len()).filter(long).map(|axis| 4.0 / spacings[axis].powi(2)).sum();
+            let mut wanted = vec![0.0; values.len()];
+            for x in (0..n).filter(|&x| kept[x]) {
+                for axis in (0..sizes.len()).filter(long) {
+                    for step in [1, sizes[axis] - 1] {
+                        let mut other = at(x);
+                        other[axis] += step;
+                        let is_beyond = if step == 1 { other[axis] == sizes[axis] } else { at(x)[axis] == 0 };
+                        if is_beyond && !periodic[axis] {
+                            continue;
+                        }
+                        other[axis] %= sizes[axis];
+                        let y = other.iter().zip(sizes).fold(0, |y, (at, size)| y * size + at);
+                        if kept[y] {
+                            for c in 0..n_channels {
+                                let [here, there] = [x, y].map(|place| values[place * n_channels + c]);
+                                wanted[x * n_channels + c] += (here - there) / spacings[axis].powi(2) / all;
+                            }
+                        }
+                    }
+                }
+            }
+            let mut found = vec![1.0; values.len()];
+            heat.difference(&values, n_channels, &mut found, Progress::none()).unwrap();
+            assert!(largest_difference(&found, &wanted) < 1e-14, "{sizes:?}");
+            // The recurrence of the grid and that of its products.
+            let params = BandsParams::default().with_engine(Engine::Chebyshev);
+            let schedule = Schedule::real(vec![0.3, 2.0, 40.0]).unwrap();
+            let bands = |transform: &Transform| {
+                let mut bands = vec![vec![7.0; values.len()]; 3];
+                let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
+                let info =
+                    transform.wavelets_into(&values, n_channels, &schedule, &mut outs, Progress::none());
+                (bands.concat(), info.unwrap().degree)
+            };
+            let (own, degree) = bands(&Transform::from_operator(heat.clone(), &params).unwrap());
+            let (by_products, same) = bands(&Transform::from_operator(Products(heat), &params).unwrap());
+            assert!(largest_difference(&own, &by_products) < 1e-12 && degree == same, "{sizes:?}");
+        }
+    }
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     }
     let _ = writeln!(text);
     if args.output.is_none() {
-        text += &list(features, analysis.decomposer.extent());
+        text += &list(features, analysis);
     }
     text += &analysis.timing("features", detection.seconds);
     if let Some(path) = &args.output {
@@ -108,9 +108,10 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
 }
 
 /// A table of the first features, with positions in the digits that the size of the shape needs.
-fn list(features: &[Feature], extent: f64) -> String {
+fn list(features: &[Feature], analysis: &Analysis) -> String {
+    let (extent, [one, _]) = (analysis.decomposer.extent(), analysis.input.row_words());
     let mut text = table(
-        ["vertex", "x", "y", "z", "level", "sigma", "response", "strength", "sign"],
+        [one, "x", "y", "z", "level", "sigma", "response", "strength", "sign"],
         features.iter().take(MAX_PRINTED).map(|f| {
             let [x, y, z] =
                 f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| coordinate_text(c, extent)));
