@@ -5,12 +5,12 @@
 //! The first half of the seeds is for development, the second is looked at in the end. Pairs of published clouds below
 //! FOLDER, named `…/clean_10000.xyz` and `…/noisy_10000_0.01.xyz`, get a table of their own.
 
-use adwave::Progress;
-use adwave::denoise::{DenoiseParams, Denoised, denoise};
-use adwave::shape::{PointCloud, PreparedGeometry, Shape, WeldMode};
+use adwave::denoise::Denoised;
+use adwave::shape::{PointCloud, Shape};
 use adwave_bench_helpers::truth::{
     CleanCloud, CloudNoise, CloudShape, NoisyCloud, Sensor, Tree, chamfer, into_unit_sphere,
 };
+use adwave_bench_helpers::{denoise_by_default, seed_parity};
 use adwave_io::{ReadLimits, read_path};
 use rayon::prelude::*;
 use std::error::Error;
@@ -38,13 +38,8 @@ struct Row {
 
 fn main() -> BenchOutcome<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let half = words.first().map_or("first", String::as_str);
+    let first = seed_parity(words.first().map_or("first", String::as_str))?;
     let n_seeds: u64 = words.get(1).map_or(Ok(2), |w| w.parse())?;
-    let first = match half {
-        "first" => 0,
-        "second" => 1,
-        _ => return Err(format!("the half must be first or second, got {half}").into()),
-    };
     let cases: Vec<(usize, u64)> = (0..CloudShape::ALL.len())
         .flat_map(|shape| (0..n_seeds).map(move |k| (shape, 2 * k + first)))
         .collect();
@@ -128,9 +123,7 @@ fn row(clean: &CleanCloud, dense: &Tree, noisy: &NoisyCloud) -> Row {
 }
 
 fn denoised(points: Vec<[f64; 3]>) -> BenchOutcome<Denoised> {
-    let shape = Shape::Cloud(PointCloud::new(points)?);
-    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
-    Ok(denoise(&geometry, &DenoiseParams::default(), Progress::none())?)
+    denoise_by_default(&Shape::Cloud(PointCloud::new(points)?))
 }
 
 fn print_row(name: &str, rows: &[Row]) {

@@ -1,14 +1,43 @@
-//! Functions shared by several programs: meshes to measure on, noise for them, and the memory bandwidth.
+//! Functions shared by several programs: meshes to measure on, noise for them, denoising with its defaults, and the
+//! memory bandwidth.
 
+mod calibration;
 mod noise;
 mod triangles;
 pub mod truth;
 
+pub use calibration::{CalibrationDot, calibration_svg};
 pub use noise::Noise;
 pub use triangles::Triangles;
 
+use adwave::Progress;
+use adwave::denoise::{DenoiseParams, Denoised, denoise};
+use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use rayon::prelude::*;
+use std::error::Error;
 use std::time::Instant;
+
+/// Denoises a shape with the default parameters.
+///
+/// # Errors
+/// Positions that cannot be prepared or denoised.
+pub fn denoise_by_default(shape: &Shape) -> Result<Denoised, Box<dyn Error>> {
+    let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none())?;
+    Ok(denoise(&geometry, &DenoiseParams::default(), Progress::none())?)
+}
+
+/// Remainder of the seeds modulo 2 of a half: 0 for `first`, which is for development, and 1 for `second`, which is
+/// looked at in the end.
+///
+/// # Errors
+/// Another word.
+pub fn seed_parity(half: &str) -> Result<u64, String> {
+    match half {
+        "first" => Ok(0),
+        "second" => Ok(1),
+        _ => Err(format!("the half of the seeds must be first or second, got {half}")),
+    }
+}
 
 /// Bandwidth of `a = b + s·c` in bytes per second, 24 bytes per element, over arrays far larger than the caches: the
 /// best of several calls.

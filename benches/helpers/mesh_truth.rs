@@ -14,6 +14,7 @@ use adwave_baselines::normal_filter::{
     BilateralParams, GuidedParams, NormalScheme, bilateral_normals, guided_normals,
 };
 use adwave_baselines::taubin::{LambdaMu, WindowedSinc, lambda_mu};
+use adwave_bench_helpers::seed_parity;
 use adwave_bench_helpers::truth::{CleanMesh, MeshNoise, MeshShape};
 use adwave_io::{ReadLimits, read_path};
 use rayon::prelude::*;
@@ -60,11 +61,7 @@ const SHARED_REMOVED: [(&str, MeshNoise); 3] = [
 
 fn main() -> BenchOutcome<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let first = match words.first().map_or("first", String::as_str) {
-        "first" => 0,
-        "second" => 1,
-        half => return Err(format!("the half must be first or second, got {half}").into()),
-    };
+    let first = seed_parity(words.first().map_or("first", String::as_str))?;
     let n_seeds: u64 = words.get(1).map_or(Ok(2), |w| w.parse())?;
     let rivals = match words.get(2).map_or("default", String::as_str) {
         "default" => Rivals::Default,

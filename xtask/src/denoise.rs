@@ -28,21 +28,36 @@ pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
         .arg(root().join("docs")))
 }
 
-/// Denoises random meshes and clouds whose clean positions are known, and prints the tables. `arguments`: the half of
-/// the seeds, and their number.
+/// Denoises random meshes, clouds and curves whose clean positions are known, and prints the tables. `arguments`: the
+/// half of the seeds, their number, and `--curve FILE` for the chart of the noise found over the true noise of clouds.
 pub(crate) fn bench_truth(arguments: &[&str]) -> StepResult {
-    let build = ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers"];
-    cargo(&[&build[..], &["--bin", "mesh_truth", "--bin", "denoise_truth"]].concat(), &[])?;
-    let (half, n_seeds) = (arguments.first().unwrap_or(&"first"), arguments.get(1).unwrap_or(&"2"));
-    let bench = |program: &str, more: &[&str], published: &str| {
-        let mut bench = Command::new(target().join("release").join(program));
-        bench.arg(half).arg(n_seeds).args(more);
-        let published = data().join(published);
-        if published.is_dir() {
-            bench.arg(published);
-        }
-        run(&mut bench)
+    let (words, curve) = match *arguments {
+        [ref words @ .., "--curve", file] => (words, file),
+        _ => (arguments, "target/denoise-calibration.svg"),
     };
-    bench("mesh_truth", &["tuned"], PART)?;
-    bench("denoise_truth", &[], "domains/points")
+    let (half, n_seeds) = match *words {
+        [] => ("first", "2"),
+        [half] => (half, "2"),
+        [half, n_seeds] => (half, n_seeds),
+        _ => ("", ""),
+    };
+    let (Ok(n_seeds), "first" | "second") = (n_seeds.parse::<u64>(), half) else {
+        let found = words.join(" ");
+        return Err(format!("bench-denoise: {found} is not understood; see `cargo xtask help`"));
+    };
+    let programs = ["mesh_truth", "denoise_truth", "surface_truth", "curve_truth"];
+    let build = ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers"];
+    let bins = programs.iter().flat_map(|program| ["--bin", program]);
+    cargo(&build.into_iter().chain(bins).collect::<Vec<_>>(), &[])?;
+    let bench = |program: &str, n_seeds: u64, more: &[&str], published: Option<&str>| {
+        let mut bench = Command::new(target().join("release").join(program));
+        bench.arg(half).arg(n_seeds.to_string()).args(more);
+        let published = published.map(|folder| data().join(folder)).filter(|folder| folder.is_dir());
+        run(bench.args(published))
+    };
+    bench("mesh_truth", n_seeds, &["tuned"], Some(PART))?;
+    bench("denoise_truth", n_seeds, &[], Some("domains/points"))?;
+    bench("surface_truth", n_seeds, &[curve], None)?;
+    // Curves are small.
+    bench("curve_truth", 3 * n_seeds, &[], None)
 }

@@ -41,9 +41,10 @@ usage: cargo xtask COMMAND
             time the same tasks in the Python package and in other packages: seconds and lines, as a table
   bench-clouds [--points N]
             process a scan of ten million points by tiles and by other programs: seconds and memory, as a table
-  bench-denoise [first|second] [SEEDS]
-            denoise random meshes and clouds whose truth is known: tables by noise and by shape for one half of the seeds, and the
-            published pairs of ../shared/data (or $ADWAVE_DATA), if it exists
+  bench-denoise [first|second] [SEEDS] [--curve FILE.svg]
+            denoise random meshes, clouds and curves whose truth is known: tables by noise and by shape for one half of the seeds,
+            the noise found over the true noise as a curve, and the published pairs of ../shared/data (or $ADWAVE_DATA), if it
+            exists
   bench-grids [--models DIR] [--only PART]
             time heat and bands of images and volumes beside SciPy and write the section of docs/PERFORMANCE.md on them
   bench-meshings [--models DIR] [--only PART]

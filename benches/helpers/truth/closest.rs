@@ -1,5 +1,7 @@
 //! Closest points by a tree of halved boxes.
 
+use std::collections::BinaryHeap;
+
 /// Point found by a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
@@ -29,8 +31,29 @@ impl Tree {
     /// Closest of the points for which `is_wanted`, called with the index and the squared distance, is true.
     pub fn closest(&self, p: &[f64; 3], is_wanted: impl Fn(u32, f64) -> bool) -> Hit {
         let mut best = Hit { name: u32::MAX, square: f64::INFINITY };
-        self.search(p, [0, self.names.len()], 0, &is_wanted, &mut best);
+        self.search(p, [0, self.names.len()], 0, &mut { f64::INFINITY }, &mut |name, square, reach| {
+            if is_wanted(name, square) {
+                best = Hit { name, square };
+                *reach = square;
+            }
+        });
         best
+    }
+
+    /// The `k` nearest points, from near to far; all points if there are fewer.
+    pub fn nearest(&self, p: &[f64; 3], k: usize) -> Vec<u32> {
+        // The bits of numbers from 0 on are in the order of the numbers.
+        let mut found: BinaryHeap<(u64, u32)> = BinaryHeap::with_capacity(k + 1);
+        self.search(p, [0, self.names.len()], 0, &mut { f64::INFINITY }, &mut |name, square, reach| {
+            found.push((square.to_bits(), name));
+            if found.len() > k {
+                found.pop();
+            }
+            if let Some((farthest, _)) = found.peek().filter(|_| found.len() == k) {
+                *reach = f64::from_bits(*farthest);
+            }
+        });
+        found.into_sorted_vec().into_iter().map(|(_, name)| name).collect()
     }
 
     /// Distance to the closest point at another position.
@@ -38,36 +61,35 @@ impl Tree {
         self.closest(p, |_, square| square > 0.0).square.sqrt()
     }
 
+    /// Calls `visit` with index, squared distance and `reach` for each point whose square is less than `reach`, which
+    /// `visit` may reduce.
     fn search(
         &self,
         p: &[f64; 3],
         [low, high]: [usize; 2],
         depth: usize,
-        is_wanted: &impl Fn(u32, f64) -> bool,
-        best: &mut Hit,
+        reach: &mut f64,
+        visit: &mut impl FnMut(u32, f64, &mut f64),
     ) {
-        if high - low <= LEAF {
-            for k in low..high {
-                self.compare(p, k, is_wanted, best);
+        let mut compare = |k: usize, reach: &mut f64| {
+            let q = &self.points[k];
+            let square: f64 = (0..3).map(|c| (p[c] - q[c]).powi(2)).sum();
+            if square < *reach {
+                visit(self.names[k], square, reach);
             }
+        };
+        if high - low <= LEAF {
+            (low..high).for_each(|k| compare(k, reach));
             return;
         }
         let middle = usize::midpoint(low, high);
         let gap = p[depth % 3] - self.points[middle][depth % 3];
-        self.compare(p, middle, is_wanted, best);
+        compare(middle, reach);
         let (near, far) = ([low, middle], [middle + 1, high]);
         let (first, second) = if gap < 0.0 { (near, far) } else { (far, near) };
-        self.search(p, first, depth + 1, is_wanted, best);
-        if gap * gap <= best.square {
-            self.search(p, second, depth + 1, is_wanted, best);
-        }
-    }
-
-    fn compare(&self, p: &[f64; 3], k: usize, is_wanted: &impl Fn(u32, f64) -> bool, best: &mut Hit) {
-        let q = &self.points[k];
-        let square = (0..3).map(|c| (p[c] - q[c]).powi(2)).sum();
-        if square < best.square && is_wanted(self.names[k], square) {
-            *best = Hit { name: self.names[k], square };
+        self.search(p, first, depth + 1, reach, visit);
+        if gap * gap <= *reach {
+            self.search(p, second, depth + 1, reach, visit);
         }
     }
 }
@@ -127,6 +149,9 @@ mod tests {
             let square = |q: &[f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>();
             let least = points.iter().map(square).fold(f64::INFINITY, f64::min);
             assert_eq!(tree.closest(&p, |_, _| true).square, least);
+            let mut all: Vec<u32> = (0..700).collect();
+            all.sort_by(|a, b| square(&points[*a as usize]).total_cmp(&square(&points[*b as usize])));
+            assert_eq!(tree.nearest(&p, 40), all[..40]);
         }
         assert_eq!(chamfer(&points, &points), 0.0);
     }

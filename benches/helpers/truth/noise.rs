@@ -21,6 +21,8 @@ pub enum CloudNoise {
     Correlated(f64),
     /// Along the line of sight, in spacings at the mean depth, growing with the square of the depth.
     Sight(f64),
+    /// Along the normals, in spacings in the middle of the cloud, growing threefold from one side to the other.
+    ByPlace(f64),
     /// Coordinates rounded to multiples of this many spacings.
     Quantized(f64),
     /// Along the normals, and one point in twenty anywhere near.
@@ -68,6 +70,9 @@ impl CloudNoise {
             .collect();
         let depth = |p: &[f64; 3]| dot(minus(*p, clean.sensor), minus(*p, clean.sensor)).sqrt();
         let mean_depth = clean.points.iter().map(depth).sum::<f64>() / clean.points.len() as f64;
+        let across = Random::new(seed.wrapping_add(0x0b1_ace)).direction();
+        let ends = clean.points.iter().map(|p| dot(across, *p));
+        let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(t), b.max(t)]);
         let mut moved = |x: usize, p: &[f64; 3]| -> [f64; 3] {
             let n = clean.normals[x];
             let along = |n: [f64; 3], h: f64| std::array::from_fn(|k| p[k] + h * n[k]);
@@ -93,6 +98,10 @@ impl CloudNoise {
                 Self::Sight(s) => {
                     let d = minus(*p, clean.sensor);
                     along(unit(d), s * spacing * (depth(p) / mean_depth).powi(2) * random.normal())
+                }
+                Self::ByPlace(s) => {
+                    let growth = 0.5 + (dot(across, *p) - low) / (high - low);
+                    along(n, s * growth * spacing * random.normal())
                 }
                 Self::Quantized(s) => p.map(|c| (c / (s * spacing)).round() * s * spacing),
                 Self::Outliers(s) => {

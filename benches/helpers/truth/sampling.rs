@@ -33,7 +33,7 @@ pub struct CleanCloud {
     pub points: Vec<[f64; 3]>,
     /// Unit normals of the surface at the points; zero for vegetation.
     pub normals: Vec<[f64; 3]>,
-    /// Many points of the surface, to measure distances from it.
+    /// Many points of the surface, to measure distances from it; empty where a formula gives the distance.
     pub dense: Vec<[f64; 3]>,
     /// Unit normals at them.
     pub dense_normals: Vec<[f64; 3]>,
@@ -43,8 +43,40 @@ pub struct CleanCloud {
     pub spacing: f64,
 }
 
+/// Distribution of the points over a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampling {
+    /// None closer to another than a radius, and nearly as many as fit.
+    Even,
+    /// Uniform by area, independent of each other.
+    Random,
+    /// Independent, with a density that falls to a quarter from x = −1 to x = 1.
+    Uneven,
+}
+
+impl Sampling {
+    /// All distributions.
+    pub const ALL: [Self; 3] = [Self::Even, Self::Random, Self::Uneven];
+
+    /// Picks about `n` of many points that are uniform by area, with x in −1..=1, and their normals.
+    pub(super) fn pick(
+        self,
+        dense: &[[f64; 3]],
+        normals: &[[f64; 3]],
+        n: usize,
+        random: &mut Random,
+    ) -> PointsAndNormals {
+        let mean = n as f64 / dense.len() as f64;
+        match self {
+            Self::Even => pick_evenly(dense, normals, n),
+            Self::Random => pick(dense, normals, |_| mean, random),
+            Self::Uneven => pick(dense, normals, |p| (1.6 - 1.2 * (0.5 + 0.5 * p[0])) * mean, random),
+        }
+    }
+}
+
 /// Number of dense points for each point.
-const DENSITY: usize = 16;
+pub(super) const DENSITY: usize = 16;
 
 /// Share of the points of a terrain that are vegetation.
 const VEGETATION: f64 = 0.06;
@@ -88,15 +120,10 @@ impl CloudShape {
             retain(&mut dense, &seen);
             retain(&mut dense_normals, &seen);
         }
-        let (mut points, mut normals) = match (self, random.index(4)) {
-            (Self::Room, _) => cast_rays(&soup, sensor, n, &mut random),
-            (_, 0) => pick(&dense, &dense_normals, |_| n as f64 / dense.len() as f64, &mut random),
-            (_, 1) => {
-                // Density falls along an axis to a quarter.
-                let share = |p: &[f64; 3]| (1.6 - 1.2 * (0.5 + 0.5 * p[0])) * n as f64 / dense.len() as f64;
-                pick(&dense, &dense_normals, share, &mut random)
-            }
-            _ => pick_evenly(&dense, &dense_normals, n),
+        let sampling = [Sampling::Random, Sampling::Uneven, Sampling::Even, Sampling::Even][random.index(4)];
+        let (mut points, mut normals) = match self {
+            Self::Room => cast_rays(&soup, sensor, n, &mut random),
+            _ => sampling.pick(&dense, &dense_normals, n, &mut random),
         };
         if self == Self::Terrain {
             for _ in 0..3 {
@@ -133,7 +160,8 @@ pub(super) fn fit_unit_sphere(soup: &mut [Triangle]) {
     }
 }
 
-type PointsAndNormals = (Vec<[f64; 3]>, Vec<[f64; 3]>);
+/// Points and the unit normals at them.
+pub(super) type PointsAndNormals = (Vec<[f64; 3]>, Vec<[f64; 3]>);
 
 /// Random points of a soup, uniform by area.
 pub(super) fn scatter(soup: &[Triangle], n: usize, random: &mut Random) -> PointsAndNormals {
