@@ -45,7 +45,9 @@ def test_kernels_are_the_products_of_pytorch(dtype: torch.dtype, n_channels: int
         own.values.div_(8)
         outs = torch.full((3, *start.shape), torch.nan, dtype=dtype)
         kernels.chebyshev_sums(own, start, table, outs)
-        found.append([outs, kernels.clenshaw_sum(own, table, values), kernels.powers(own, start, (1, 3, 4), (0.5, 0.25))])
+        found.append(
+            [outs, kernels.clenshaw_sum(own, table, values), kernels.powers(own, start, (1, 3, 4), (0.5, 0.25))]
+        )
     for fused, plain in zip(*found, strict=True):
         torch.testing.assert_close(fused, plain, atol=ROUNDING[dtype], rtol=ROUNDING[dtype])
 

@@ -46,7 +46,10 @@ def test_a_batch_is_its_graphs(pool: str) -> None:
     parts = [(edges(n, n), signal(n, 2)) for n in (5, 9, 12)]
     starts = np.cumsum([0, 5, 9])
     edge_index = torch.cat([part[0] + int(start) for (part, _), start in zip(parts, starts, strict=True)], 1)
-    x, batch = torch.cat([x for _, x in parts]), torch.repeat_interleave(torch.tensor([0, 1, 3]), torch.tensor([5, 9, 12]))
+    x, batch = (
+        torch.cat([x for _, x in parts]),
+        torch.repeat_interleave(torch.tensor([0, 1, 3]), torch.tensor([5, 9, 12])),
+    )
     layer = aw.torch.Scattering([1, 2], pool=pool).double()
     found = layer(x, edge_index, batch=batch)
     assert found.shape[0] == 4 and not found[2].any()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import BandsRequest, LevelsLike, check_steps
 from adwave._torch_kernels import SeriesTable, SparseRows, chebyshev_sums, clenshaw_sum, powers
-from adwave._torch_series import Semigroup, Series, StepRounding, band_series
+from adwave._torch_series import MOST_TERMS, Semigroup, Series, StepRounding, band_series
 from adwave._walk import Walk
 
 #: Sum of the terms that are left out, relative to the sum of all.
@@ -73,9 +73,7 @@ class Operator:
     #: reversible.
     kind: str
 
-    def __init__(
-        self, domain: object, device: torch.device | str = "cpu", dtype: torch.dtype | None = None
-    ) -> None:
+    def __init__(self, domain: object, device: torch.device | str = "cpu", dtype: torch.dtype | None = None) -> None:
         from scipy.sparse import csr_array, identity
 
         dtype = torch.get_default_dtype() if dtype is None else dtype
@@ -98,7 +96,10 @@ class Operator:
         self._power = {"steps": (0.25, 0.5), "heat": (0.25, 0.5), "plain": (0.5, 0.0), "powers": (1.0, 0.0)}[self.kind]
         self._difference = SparseRows(_rows(one - step), torch.float64, self.device) if is_polynomial else None
         self._adjoint, self._adjoint_difference = self._rows, self._difference
-        if not (is_polynomial and (share > 0).all()):
+        # Vertices without area lead to others; the norms of the polynomials then grow with the degree.
+        is_bounded = bool((share > 0).all())
+        self._growth = 1.0 if is_bounded else 2.0 + 1.2 * MOST_TERMS
+        if not (is_polynomial and is_bounded):
             # The adjoint by the transposed matrix, without the stationary distribution.
             self._adjoint = SparseRows(_rows(rows.T), dtype, self.device)
             if is_polynomial:
@@ -166,7 +167,9 @@ class Operator:
         if key not in self._requests:
             self.schedule(1)
             if self.kind == "plain" and any(n != int(n) for n in key):
-                raise ValueError(f"steps must be whole, since this walk does not stay half of the time, got {list(key)}")
+                raise ValueError(
+                    f"steps must be whole, since this walk does not stay half of the time, got {list(key)}"
+                )
             pairs = zip((0.0, *key[:-1]), key, strict=True)
             series = [band_series(self._semigroup, a, b, _REMAINDER[self.dtype]) for a, b in pairs]
             self._requests[key] = DeviceBands(self, key, series)
@@ -269,7 +272,8 @@ class DeviceBands:
 
     def join(self, weights: torch.Tensor) -> torch.Tensor:
         """Adjoint of `split`: with bands self-adjoint under the share π, ``g_J + π·Σ_j W_(j)((g_j − g_J)/π)``."""
-        return weights[-1] + self._adjoint(weights[:-1] - weights[-1], self.table)
+        scaled = (weights[:-1] - weights[-1]).div_(self.operator._share.to(weights.dtype))
+        return weights[-1] + self._adjoint(scaled, self.table)
 
     def combine(self, signal: torch.Tensor, factors: Sequence[float], is_adjoint: bool) -> torch.Tensor:
         """``Σ_j factors[j]·W_f(j)`` by one polynomial, n × channels, or its adjoint."""
@@ -282,7 +286,7 @@ class DeviceBands:
             self._combined[factors] = SeriesTable.on_device([total], operator.dtype, operator.device)
         table = self._combined[factors]
         if is_adjoint:
-            return self._adjoint(signal[None], table, factors[0])
+            return self._adjoint((signal / operator._share.to(signal.dtype))[None], table, factors[0])
         mean = operator.mean(signal)
         found = clenshaw_sum(operator._rows, table, operator.first_difference(mean).to(operator.dtype)[None])
         found = operator.spread(found)
@@ -290,20 +294,18 @@ class DeviceBands:
             found = found + factors[0] * (signal.double() - operator.spread(mean)).to(signal.dtype)
         return found
 
-    def _adjoint(self, weights: torch.Tensor, table: SeriesTable, first_factor: float = 1.0) -> torch.Tensor:
-        """``Σ_j (q_j(Φ₁)(I − Φ₁))ᵀ weights[j]``."""
+    def _adjoint(self, scaled: torch.Tensor, table: SeriesTable, first_factor: float = 1.0) -> torch.Tensor:
+        """``Σ_j (q_j(Φ₁)(I − Φ₁))ᵀ g_j`` of values that are divided by the share π, ``scaled[j] = g_j/π``."""
         operator, difference = self.operator, self.operator._adjoint_difference
         assert difference is not None, "an operator with bands has differences"
-        share = operator._share.to(weights.dtype)
-        scaled = weights / share
         means = scaled
         if operator._place is not None:
-            means = torch.stack([operator.mean(own) for own in scaled]).to(weights.dtype)
+            means = torch.stack([operator.mean(own) for own in scaled]).to(scaled.dtype)
         total = difference.product(clenshaw_sum(operator._adjoint, table, means).double())
         total = operator.spread(total)
         if operator._place is not None:
             total = total + first_factor * (scaled[0] - operator.spread(means[0]))
-        return (operator._share * total).to(weights.dtype)
+        return (operator._share * total).to(scaled.dtype)
 
     def error_bounds(self, signal: torch.Tensor, found: torch.Tensor) -> list[float]:
         """Bound of the relative error of each band that `split` found; see `Operator.error_bounds`."""
@@ -314,8 +316,10 @@ class DeviceBands:
         norms = torch.stack(squares).sqrt().tolist()
         bounds = []
         for own, norm in zip(self.series, norms[1:], strict=True):
-            error = own.tail * norms[0]
-            if operator.dtype == torch.float32 and norms[0] > 0:
+            error = operator._growth * own.tail * norms[0]
+            if operator.dtype == torch.float32 and operator._growth > 1:
+                error = np.inf
+            elif operator.dtype == torch.float32 and norms[0] > 0:
                 error += operator._rounding.error(own.coefficients, norms[0])
             bounds.append(error / (norm - error) if norm > error else 0.0 if error == 0 else np.inf)
         return bounds

@@ -121,6 +121,7 @@ def chebyshev_sums(rows: SparseRows, start: torch.Tensor, table: SeriesTable, ou
     """
     together = min(TOGETHER, max(table.n_terms, 3))
     vectors = start.new_empty((together, *start.shape))
+    each = vectors.unbind()
     for k in range(table.n_terms):
         at = k % together
         is_last = at == together - 1 or k == table.n_terms - 1
@@ -133,12 +134,12 @@ def chebyshev_sums(rows: SparseRows, start: torch.Tensor, table: SeriesTable, ou
             if sums is not None:
                 sums.add()
             continue
-        now, before = vectors[(k - 1) % together], vectors[(k - 2) % together] if k > 1 else None
+        now, before = each[(k - 1) % together], each[(k - 2) % together] if k > 1 else None
         factors = (1.0, -1.0) if k > 1 else (0.5, 0.0)
         if rows.is_fused and start.numel():
-            _launch(rows, now, before, vectors[at], factors, sums)
+            _launch(rows, now, before, each[at], factors, sums)
         else:
-            rows.step(now, before, out=vectors[at], factors=factors)
+            rows.step(now, before, out=each[at], factors=factors)
             if sums is not None:
                 sums.add()
 
@@ -149,14 +150,15 @@ def clenshaw_sum(rows: SparseRows, table: SeriesTable, values: torch.Tensor) -> 
     `values` is series × n × channels, contiguous, in the type of the rows.
     """
     now = before = None
-    for end in range(table.n_terms, 0, -TOGETHER):
+    # The last two vectors of a group lie in one buffer while the next group fills the other.
+    buffers = values.new_empty((2, min(TOGETHER, table.n_terms), *values.shape[1:]))
+    for number, end in enumerate(range(table.n_terms, 0, -TOGETHER)):
         start = max(end - TOGETHER, 0)
         first = table.first(start)
         coefficients, given = table.coefficients[first:, start:end], values[first:]
-        if rows.is_fused and values.numel():
-            found = values.new_empty((end - start, *values.shape[1:]))
-        else:
-            found = (coefficients.T @ given.view(len(given), -1)).view(-1, *values.shape[1:])
+        found = buffers[number % 2, : end - start]
+        if not rows.is_fused:
+            torch.mm(coefficients.T, given.flatten(1), out=found.flatten(1))
         for k in range(end - 1, start - 1, -1):
             out, factor = found[k - start], 1.0 if k else 0.5
             if rows.is_fused and values.numel():
@@ -305,7 +307,8 @@ def _launch(
     elif then is not None:
         wide, coefficients, stride = then.values, then.coefficients, then.coefficients.stride(0)
     grid = (triton.cdiv(rows.shape[0], height), triton.cdiv(n_channels, width))
-    with torch.cuda.device(out.device) if out.is_cuda else nullcontext():
+    is_current = not out.is_cuda or out.device.index == torch.cuda.current_device()
+    with nullcontext() if is_current else torch.cuda.device(out.device):
         _step_kernel[grid](
             *(rows.offsets, rows.columns, rows.values),
             *(out if part is None else part for part in (now, before)),

@@ -40,7 +40,9 @@ class EdgeWalk(NamedTuple):
         sources, targets = edge_index
         weights = like.new_ones(sources.shape[0]) if edge_weight is None else edge_weight.to(like).reshape(-1)
         if weights.shape != sources.shape:
-            raise ValueError(f"edge_weight must have a value for each of {sources.shape[0]} edges, got {weights.shape[0]}")
+            raise ValueError(
+                f"edge_weight must have a value for each of {sources.shape[0]} edges, got {weights.shape[0]}"
+            )
         weights = torch.where(sources == targets, weights.new_zeros(()), weights)
         sums = like.new_zeros(like.shape[0]).index_add(0, sources, weights)
         moves = sums > 0
@@ -214,7 +216,9 @@ class Scattering(torch.nn.Module):
             walk = EdgeWalk.of_edges(walk, edge_weight, rows)
         elif edge_weight is not None:
             if batch is not None:
-                raise ValueError("edge_weight belongs to edge_index; a walk has its weights, layer(x, walk, batch=batch)")
+                raise ValueError(
+                    "edge_weight belongs to edge_index; a walk has its weights, layer(x, walk, batch=batch)"
+                )
             # The arguments of earlier releases: a signal, a walk and a batch.
             batch = edge_weight
         gains = self.gains.to(rows)

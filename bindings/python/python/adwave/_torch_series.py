@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Degree beyond which a series is refused.
-_MOST_TERMS = 1 << 14
+MOST_TERMS = 1 << 14
 #: Rounding of a coefficient, relative to the sum of the terms and for each node of the transform.
 _ROUNDING = 1e-16
 
@@ -56,7 +56,7 @@ def band_series(semigroup: Semigroup, a: float, b: float, remainder: float) -> S
         If the series of a fractional power converges too slowly.
     """
     n = 32
-    while n <= _MOST_TERMS:
+    while n <= MOST_TERMS:
         half = np.pi * (2 * np.arange(n) + 1) / (4 * n)
         values = semigroup.quotient(a, b, half)
         # The sum over the nodes is the real part of a Fourier transform of twice the length.
@@ -71,7 +71,7 @@ def band_series(semigroup: Semigroup, a: float, b: float, remainder: float) -> S
             return Series(found[:kept], float(tail[kept]))
         n *= 2
     raise ValueError(
-        f"steps {a:g} to {b:g} need more than {_MOST_TERMS} products: small fractional powers of a walk converge slowly; "
+        f"steps {a:g} to {b:g} need more than {MOST_TERMS} products: small fractional powers of a walk converge slowly; "
         "give whole steps, prepare the shape with operator='surface', or leave out the device"
     )
 
