@@ -17,8 +17,8 @@ from adwave._walk import Walk
 
 #: Sum of the terms that are left out, relative to the sum of all.
 _REMAINDER = {torch.float64: 1e-16, torch.float32: 1e-8}
-#: Step by which the rate of heat is measured, and where.
-_SHORT, _START = 2.0**-30, 2.0**-6
+#: Step by which the rate of heat is measured, where, and by how many terms of a power series of the step.
+_SHORT, _START, _RATE_TERMS = 2.0**-16, 2.0**-6, 8
 #: Accuracy of that measurement.
 _FINEST = 1e-13
 #: Seed of the signal by which the rate of heat is measured.
@@ -96,7 +96,9 @@ class Operator:
         self._power = {"steps": (0.25, 0.5), "heat": (0.25, 0.5), "plain": (0.5, 0.0), "powers": (1.0, 0.0)}[self.kind]
         self._difference = SparseRows(_rows(one - step), torch.float64, self.device) if is_polynomial else None
         self._adjoint, self._adjoint_difference = self._rows, self._difference
-        # Vertices without area lead to others; the norms of the polynomials then grow with the degree.
+        # Isolated vertices have no share and keep their values. Others without a share, those without area, lead to
+        # vertices that have one; the norms of the polynomials then grow with the degree.
+        share = positive_share(step, self._welded, share)
         is_bounded = bool((share > 0).all())
         self._growth = 1.0 if is_bounded else 2.0 + 1.2 * MOST_TERMS
         if not (is_polynomial and is_bounded):
@@ -388,8 +390,8 @@ def _semigroup(own: Decomposer, step: Any, share: NDArray[np.float64]) -> Semigr
 def _heat_rate(own: Decomposer, step: Any, share: NDArray[np.float64]) -> float:
     """Rate r of heat ``exp(−n·r·(I − Φ₁))``, from a short band of the library.
 
-    With ``g = S(a)`` and ``u = (I − Φ₁)g``, the band of h more steps is ``W = hr·u − (hr)²/2·(I − Φ₁)u + …``, so that
-    ``⟨W, u⟩/(h⟨u, u⟩) = r·(1 − hr/2·⟨(I − Φ₁)u, u⟩/⟨u, u⟩)`` up to (hr)² with hr below 1e-3 and mostly below 1e-7.
+    With ``g = S(a)``, ``D = I − Φ₁`` and ``u = Dg``, the band of h more steps is ``W = −Σ_k (−z)^k/k!·D^{k−1}u`` with
+    z = hr, and ``⟨W, u⟩/⟨u, u⟩`` is a power series of z. Since g is smoothed by a steps, its terms fall as fast as (h/a)^k.
     """
     signal = np.random.default_rng(_SEED).standard_normal((own.n_vertices, 1))
     found, _ = own._data.bands(BandsRequest(signal, [_START, _START + _SHORT], _FINEST, precision="double"))
@@ -401,12 +403,24 @@ def _heat_rate(own: Decomposer, step: Any, share: NDArray[np.float64]) -> float:
     weights = np.bincount(place, share, minlength=n)
     band, smooth = found[1, vertex, 0], (signal - found[0])[vertex, 0]
     first = smooth - step @ smooth
-    second = first - step @ first
-    square = float((weights * first * first).sum())
-    if not square > 0:
+    power, products, factor = first, [], 1.0
+    for k in range(1, _RATE_TERMS + 1):
+        products.append(factor * float((weights * power * first).sum()))
+        power, factor = power - step @ power, -factor / (k + 1)
+    if not products[0] > 0:
         return 1.0
-    rate = float((weights * band * first).sum()) / (_SHORT * square)
-    return rate / (1.0 - 0.5 * rate * _SHORT * float((weights * second * first).sum()) / square)
+    total = float((weights * band * first).sum())
+    z = 0.0
+    for _ in range(_RATE_TERMS):
+        z = total / float(np.polynomial.Polynomial(products)(z))
+    return z / _SHORT
+
+
+def positive_share(
+    step: Any, welded: NDArray[np.integer[Any]], share: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Shares of vertices in the stationary distribution, with 1 in place of the 0 of isolated vertices, which take no step."""
+    return np.where((share == 0) & (step.diagonal()[welded] == 1.0), 1.0, share)
 
 
 def vertex_rows(signal: torch.Tensor, n: int) -> tuple[torch.Tensor, tuple[int, ...], int]:

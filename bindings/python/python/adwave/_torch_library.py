@@ -12,7 +12,7 @@ import torch
 from adwave import _native
 from adwave._decomposer import Decomposer
 from adwave._options import BandsRequest, LevelsLike, check_steps
-from adwave._torch_device import Operator
+from adwave._torch_device import Operator, positive_share
 from adwave._torch_functions import Combine, Split, compiled_number, compiled_split
 from adwave._walk import Walk, as_walk
 
@@ -31,8 +31,24 @@ class LibraryBands:
         return len(self.steps) + 1
 
     def share(self) -> np.ndarray:
-        """Share π of each vertex in the stationary distribution, (n, 1)."""
-        return self.walk._data.welding()[1][:, None]
+        """Share π of each vertex in the stationary distribution, (n, 1), and 1 for isolated vertices.
+
+        Raises
+        ------
+        ValueError
+            If a vertex without area leads to others.
+        """
+        share = self.walk._data.welding()[1]
+        if (share == 0).any():
+            step = self.walk.matrix()
+            is_welded = step.shape[0] < self.walk.n_vertices
+            share = positive_share(step, self.walk.vertex_map() if is_welded else np.arange(len(share)), share)
+            if (share == 0).any():
+                raise ValueError(
+                    f"gradients need an area at each vertex, and vertex {int((share == 0).argmax())} has none; compute with "
+                    "aw.torch.Operator(shape, dtype=torch.float64), or remove the faces of area 0"
+                )
+        return share[:, None]
 
     def split(self, signal: torch.Tensor) -> torch.Tensor:
         """Bands of n × channels values, (J + 1) × n × channels."""
