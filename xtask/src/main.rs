@@ -29,6 +29,8 @@ usage: cargo xtask COMMAND
   python [--wheel]
             test the Python package: its tests, the examples of its documentation and its types; the wheel, or otherwise
             the build of the tests
+  torch-check
+            install PyTorch (gigabytes) and run the tests and examples of `adwave.torch`, by Triton's interpreter too
   studio-test
             test the studio's page: types, laws, the committed bundle against its sources, and all of it in Chromium
   oracle    compare bands with SciPy's on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA), if it exists
@@ -103,6 +105,7 @@ fn main() -> ExitCode {
         ["bench-python", ref rest @ ..] => package::bench(rest),
         ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),
+        ["torch-check"] => package::test_torch(),
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),

@@ -192,6 +192,34 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     ]))
 }
 
+/// Runs the tests and the examples of `adwave.torch` with PyTorch and PyTorch Geometric, which the other tests do without.
+pub(crate) fn test_torch() -> StepResult {
+    let python = python::environment_from(&package().join("torch-requirements.txt"), "torch")?;
+    let place = target().join("package");
+    cargo(&BUILD_WITH_TESTS, &[])?;
+    assemble(&place)?;
+    let tests = package().join("tests");
+    let starting_with = |folder: &Path, prefixes: &[&str]| -> Result<Vec<PathBuf>, String> {
+        let entries =
+            std::fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+        let is_wanted = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            path.extension() == Some(OsStr::new("py")) && prefixes.iter().any(|p| name.starts_with(p))
+        };
+        Ok(entries.flatten().map(|entry| entry.path()).filter(is_wanted).collect())
+    };
+    let modules = starting_with(&place.join("adwave"), &["torch.", "_torch_"])?;
+    println!("> pytest of adwave.torch");
+    run(Command::new(&python)
+        .current_dir(&place)
+        .env("PYTHONPATH", &place)
+        .args(["-m", "pytest", "-q", "-c"])
+        .arg(package().join("pyproject.toml"))
+        .args(["-o", "addopts=", "--rootdir", ".", "--doctest-modules"])
+        .args(modules)
+        .args(starting_with(&tests, &["test_torch", "test_walks"])?))
+}
+
 /// Copies the examples of `docs/python` to a folder in which they may write their pictures; returns the path of the
 /// script that runs them.
 fn gallery() -> Result<String, String> {
