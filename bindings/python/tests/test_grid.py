@@ -257,9 +257,9 @@ def test_gains_of_one_change_nothing_and_of_zero_smooth() -> None:
     smooth = grid.filter([0, 0], sigma=[1, 2])
     assert np.abs(smooth - heat(values, 2)).max() < 1e-7
     slope = np.add.outer(np.arange(24.0), 2 * np.arange(20.0))
-    assert np.abs(grid.filter([0, 0], slope, local_fit="linear") - slope).max() < 1e-6
-    assert np.abs(grid.filter([0, 0], slope).sum() / slope.sum() - 1) < 1e-9
-    assert np.abs(aw.filter(grid, [0, 0], signal=values) - grid.filter([0, 0])).max() < 1e-12
+    assert np.abs(grid.filter(slope, [0, 0], local_fit="linear") - slope).max() < 1e-6
+    assert np.abs(grid.filter(slope, [0, 0]).sum() / slope.sum() - 1) < 1e-9
+    assert np.abs(aw.filter(grid, values, [0, 0]) - grid.filter([0, 0])).max() < 1e-12
 
 
 def test_noise_is_removed_and_steps_are_kept() -> None:

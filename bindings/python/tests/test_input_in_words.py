@@ -23,12 +23,12 @@ def test_sentinels_count_as_unknown(sentinel: float) -> None:
     f[:60] = sentinel
     known = np.where(f == sentinel, np.nan, f)
     with pytest.warns(UserWarning, match="60 values of the signal are .* and count as unknown; numpy.ma.masked_array"):
-        found = aw.filter(SPHERE, "smooth", signal=f)
-    np.testing.assert_array_equal(found, aw.filter(SPHERE, "smooth", signal=known))
+        found = aw.filter(SPHERE, f, "smooth")
+    np.testing.assert_array_equal(found, aw.filter(SPHERE, known, "smooth"))
     assert np.isnan(found[:60]).all() and np.abs(found[60:]).max() < 10
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        as_numbers = aw.filter(SPHERE, "smooth", signal=np.ma.masked_array(f, False))
+        as_numbers = aw.filter(SPHERE, np.ma.masked_array(f, False), "smooth")
     assert np.abs(as_numbers[60:]).max() > 100
     with pytest.warns(UserWarning, match="60 values of"):
         aw.decompose(SPHERE.with_field("depth", f), "depth", levels=3)

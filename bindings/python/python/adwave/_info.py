@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
+from adwave._caller import public
 from adwave._decomposer import Where, prepare_decomposer
 from adwave._layout import Layout, region_weights
 from adwave._options import Length, OperatorLike, check_levels
@@ -69,6 +70,7 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
+@public()
 def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[SmoothOptions]) -> Info:
     """Facts about a shape: what it consists of, what is unusual about it, and how its diffusion is built.
 
@@ -101,6 +103,7 @@ def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[Smoo
     return Info({"kind": own.kind, "format": own.format, "fields": list(own.fields), **decomposer._data.facts()})
 
 
+@public()
 def region(
     shape: object, region: Where, *, blur: Length | None = None, **options: Unpack[PartOptions]
 ) -> NDArray[np.float64]:
@@ -152,6 +155,7 @@ def region(
 _REGION = "_region"
 
 
+@public()
 def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[np.float64]:
     """A signal by its name, as values at the vertices.
 
@@ -213,6 +217,7 @@ def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
     return np.array(_native.preset_gains(preset, checked))
 
 
+@public()
 def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[str, int]:
     """Bytes that `decompose` needs beyond the prepared shape.
 
@@ -240,6 +245,7 @@ def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[
     return {"work": work, "result": result}
 
 
+@public()
 def report(shape: object, path: Path) -> None:
     """Write a page about a shape: health, bands, saliency, features and presets, as pictures and tables.
 

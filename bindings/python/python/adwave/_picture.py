@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._notebook import PictureRequest
@@ -171,6 +172,7 @@ class ColorScale:
     bar: bool = True
 
 
+@public()
 def render(
     shape: object,
     values: str | ArrayLike | None = None,
