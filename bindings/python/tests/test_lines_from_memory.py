@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import linecache
 import os
+import sys
 import warnings
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import adwave as aw
@@ -60,11 +62,23 @@ def objects() -> dict[str, Any]:
     }
 
 
-def open3d_cloud(points: np.ndarray) -> Any:
+class PointCloud:
     """A stand-in for a cloud of Open3D, which is too large to install."""
-    kind = type("PointCloud", (), {"__module__": "open3d.cpu.pybind.geometry"})
-    cloud = kind()
-    cloud.points, cloud.colors, cloud.normals = points, np.empty((0, 3)), np.empty((0, 3))
+
+    __module__ = "open3d.cpu.pybind.geometry"
+
+    def __init__(self, other: PointCloud | None = None) -> None:
+        if other is not None:
+            vars(self).update(vars(other))
+
+
+def open3d_cloud(points: np.ndarray) -> Any:
+    """A stand-in for a cloud of Open3D with these points."""
+    module = ModuleType("open3d")
+    module.utility = SimpleNamespace(Vector3dVector=lambda values=(): np.array(values))  # type: ignore[attr-defined]
+    sys.modules.setdefault("open3d", module)
+    cloud = PointCloud()
+    cloud.points, cloud.colors, cloud.normals = points, np.empty((0, 3)), np.empty((0, 3))  # type: ignore[attr-defined]
     return cloud
 
 

@@ -25,6 +25,7 @@ from ._adapt_arrays import (
     edges_of_lines,
     faces_arrays,
     field_array,
+    float_type,
     index_array,
     is_array,
     kind_of,
@@ -183,7 +184,7 @@ def with_results(
         What `parts_of` took: an object of another library, a pair (points, faces) or an array of points.
     points
         New positions, (n, 3); None keeps the old. PyVista, meshio and Open3D tensors keep their floating
-        type, so positions are rounded where that is float32; arrays come back as float64. What had no z has
+        type, and so do arrays, so positions are rounded where that is float32. What had no z has
         none again while z is 0. Normals that are stored are left out, because they belong to the old points.
     fields, face_fields
         Values per vertex and per face, (n,) or (n, c), to attach under their names. The field 'color' becomes
@@ -214,11 +215,12 @@ def with_results(
         points = old_points
     elif old_points.shape[1:] == (2,) and not points[:, 2:].any():
         points = points[:, :2]
+    points = np.array(points, dtype=float_type(old_points))
     if pair is None:
-        return np.array(points)
+        return points
     if faces is None and len(points) != len(old_points):
         raise ValueError(f"points: {len(points)} rows, but the faces are of {len(old_points)}; pass faces too")
-    return np.array(points), (pair[1] if faces is None else np.array(faces))
+    return points, (pair[1] if faces is None else np.array(faces))
 
 
 def can_hold_results(given: object) -> bool:

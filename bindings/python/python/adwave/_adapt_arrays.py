@@ -80,6 +80,13 @@ def array_of(x: Any, name: str) -> Array:
     return array
 
 
+def float_type(signal: object) -> np.dtype[Any]:
+    """Number type of results: that of a signal of 16 or 32 bits, and float64 for all others."""
+    dtype: Any = getattr(signal, "dtype", None)
+    is_short = isinstance(dtype, np.dtype) and dtype.kind == "f" and dtype.itemsize < 8
+    return dtype.newbyteorder("=") if is_short else np.dtype(np.float64)
+
+
 def _refuse_uneven(x: Any, name: str) -> None:
     if not isinstance(x, (list, tuple)) or not x:
         return

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import wraps
+from importlib import import_module
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, TypeVar
@@ -183,8 +184,7 @@ def public(order: Order | None = None, **renamed: str) -> Callable[[_Function], 
                 trace = error.__traceback__
                 if trace is None or trace.tb_next is not None:
                     raise
-                from adwave._unknown import misfit
-
+                misfit = import_module("adwave._unknown").misfit
                 raise TypeError(misfit(function, arguments, options, str(error))) from None
 
         return call  # type: ignore[return-value]

@@ -46,10 +46,11 @@ from adwave._walk import Walk
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._grid import Grid
+    import adwave
     from adwave._part import (
         DenoiseCall,
         FilterCall,
+        FilterOptions,
         PartOptions,
         PrecisionOptions,
         SignalOptions,
@@ -159,7 +160,7 @@ def smooth(
 ) -> NDArray[np.float64]: ...
 @overload
 def smooth(
-    shape: Grid[_Kind], signal: None = None, steps: float | None = None, **options: Unpack[SmoothCall]
+    shape: adwave.Grid[_Kind], signal: None = None, steps: float | None = None, **options: Unpack[SmoothCall]
 ) -> _Kind: ...
 @overload
 def smooth(
@@ -312,7 +313,7 @@ def filter(
 @overload
 def filter(shape: object, signal: Numbers, gains: GainsLike, **options: Unpack[FilterCall]) -> NDArray[np.float64]: ...
 @overload
-def filter(shape: Grid[_Kind], gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+def filter(shape: adwave.Grid[_Kind], gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
 @overload
 def filter(shape: Path | Decomposer | Walk, gains: GainsLike, /, **options: Unpack[FilterCall]) -> Shape: ...
 @overload
@@ -340,9 +341,8 @@ def filter(
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
     local_fit: LocalFit | None = None,
-    accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
-    **options: Unpack[PrecisionOptions],
+    **options: Unpack[FilterOptions],
 ) -> object:
     """Change the bands of a shape, or of a signal on it: smooth, enhance, keep or drop, everywhere or in a region.
 
@@ -375,13 +375,11 @@ def filter(
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
         as in `decompose` and `Bands.apply`. By default linear, and constant on an image or a volume.
-    accuracy : float
-        As in `decompose`.
     progress : bool or callable, optional
         As in `decompose`.
     **options
         ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=``, ``steps=`` and, with
-        ``local_fit='constant'`` or coordinates, ``precision=`` as in `decompose`.
+        ``local_fit='constant'`` or coordinates, ``precision=`` and ``accuracy=`` as in `decompose`.
 
     Returns
     -------
@@ -406,7 +404,7 @@ def filter(
     if own is not None:
         given = {"local_fit": local_fit, "operator": operator, "constraints": constraints}
         given = {name: value for name, value in given.items() if value is not None}
-        return own(signal, gains, where=where, levels=levels, accuracy=accuracy, progress=progress, **given, **options)
+        return own(signal, gains, where=where, levels=levels, progress=progress, **given, **options)
     part = read_part("filter", shape, options, _FILTER, gains if signal is None else signal)
     if gains is None:
         line = working_line("filter", lambda call: None, 'aw.filter(shape, "smooth")')
@@ -414,6 +412,7 @@ def filter(
     levels = levels_of(levels, options)
     named = default_signal(part, signal)
     precision = options.get("precision") or "auto"
+    accuracy = options.get("accuracy", _native.ACCURACY)
     moves = named is None or (isinstance(named, str) and named == "coords")
     if precision != "auto" and local_fit != "constant" and not moves:
         raise ValueError("precision: it applies to a signal with local_fit='constant'; leave it out")
@@ -711,7 +710,7 @@ def denoise(shape: object, signal: NDArray[Float], **options: Unpack[DenoiseCall
 @overload
 def denoise(shape: object, signal: Numbers, **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[np.float64]]: ...
 @overload
-def denoise(shape: Grid[_Kind], signal: None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
+def denoise(shape: adwave.Grid[_Kind], signal: None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
 @overload
 def denoise(
     shape: Path | Decomposer | Walk, signal: str | None = None, **options: Unpack[DenoiseCall]
@@ -876,6 +875,6 @@ def _only_weld(part: Part, operator: OperatorLike) -> bool | float:
 
 _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
 _SMOOTH = ("signal", "steps", "fwhm", "rms", "lazy", "operator", "accuracy", "progress")
-_FILTER = ("signal", "gains", "where", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
+_FILTER = ("signal", "gains", "where", "levels", "operator", "constraints", "local_fit", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
 _DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

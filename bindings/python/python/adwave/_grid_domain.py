@@ -17,7 +17,7 @@ from adwave._own_operator import GivenOperator
 from adwave._shape import Shape
 
 if TYPE_CHECKING:
-    from adwave._grid import Grid
+    import adwave
 
 Values = NDArray[np.float64]
 
@@ -37,9 +37,9 @@ class GridDecomposer(Decomposer):
 
     __slots__ = ("_grid",)
 
-    _grid: Grid[Any]
+    _grid: adwave.Grid[Any]
 
-    def __init__(self, grid: Grid[Any]) -> None:
+    def __init__(self, grid: adwave.Grid[Any]) -> None:
         none = np.empty(0, dtype=np.uint32)
         self._grid = grid
         shape = _native.ShapeData.from_graph(grid.n_vertices, none, none, None, True)
@@ -140,7 +140,7 @@ class GridDecomposer(Decomposer):
         return _restore_decomposer, (self._grid, self._mask, self._given_walk)
 
 
-def _restore_decomposer(grid: Grid[Any], mask: NDArray[np.bool_] | None, given: Any) -> Decomposer:
+def _restore_decomposer(grid: adwave.Grid[Any], mask: NDArray[np.bool_] | None, given: Any) -> Decomposer:
     prepared: Decomposer = GridDecomposer(grid)
     if given is not None:
         prepared = prepared._with_given(given)

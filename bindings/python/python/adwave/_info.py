@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._caller import public
+from adwave._caller import Call, public
 from adwave._decomposer import Where, prepare_decomposer
 from adwave._layout import Layout, region_weights
 from adwave._options import Length, OperatorLike, check_levels
 from adwave._part import exact_operator, read_part
 from adwave._shape import Path
+from adwave._unknown import working_line
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -145,7 +146,17 @@ def region(
         own, text = part.shape.with_field(_REGION, weights), f"field:name={_REGION},low=0,high=1"
     if blur is not None:
         text = f"blurred:by={blur}({text})"
-    found = prepare_decomposer(own).region(text)
+    try:
+        found = prepare_decomposer(own).region(text)
+    except ValueError as error:
+        if "there is no region" not in str(error):
+            raise
+        example = '"ball:vertex=0,radius=10%"'
+
+        def change(call: Call) -> None:
+            call.arguments[-1] = example
+
+        raise ValueError(f"{error}{working_line('region', change, f'aw.region(shape, {example})')}") from None
     if part.selection is None:
         return found
     return part.spread(found, Layout(len(found)), np.zeros(part.whole_shape.n_vertices))

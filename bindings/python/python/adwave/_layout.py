@@ -10,8 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._adapt_arrays import Array, Floats, array_of, finite_values, values_array
+from adwave._adapt_arrays import Array, Floats, array_of, finite_values, float_type, values_array
 from adwave._caller import warn
+
+__all__ = [
+    "Layout",
+    "coordinates",
+    "float_type",
+    "region_weights",
+    "signal_values",
+    "vertex_weights",
+    "without_unknown",
+]
 
 
 @dataclass(frozen=True)
@@ -112,13 +122,6 @@ def _layout_of(array: Array, n: int, name: str) -> Layout:
         raise ValueError(f"{name}: a single number is no signal; give one value for each vertex, {wanted}")
     rows = f"{array.shape[0]} rows, but there are {n} vertices"
     raise ValueError(f"{name}: shape {array.shape} has {rows}; give {wanted}")
-
-
-def float_type(signal: object) -> np.dtype[Any]:
-    """Number type of results: that of a signal of 16 or 32 bits, and float64 for all others."""
-    dtype: Any = getattr(signal, "dtype", None)
-    is_short = isinstance(dtype, np.dtype) and dtype.kind == "f" and dtype.itemsize < 8
-    return dtype.newbyteorder("=") if is_short else np.dtype(np.float64)
 
 
 def vertex_weights(where: ArrayLike, n: int, name: str = "where") -> NDArray[np.float64]:

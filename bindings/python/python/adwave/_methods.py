@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from adwave import _edits, _info, _measures
+    import adwave
 
 #: Module of each function.
 _MODULE_OF = {
@@ -41,9 +41,7 @@ class _Kind(type):
         def __getattr__(cls, name: str) -> Any:
             if name.startswith("_"):
                 raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
-            from adwave._unknown import unknown_constructor
-
-            raise AttributeError(unknown_constructor(cls, name))
+            raise AttributeError(import_module("adwave._unknown").unknown_constructor(cls, name))
 
 
 class Members(metaclass=_Kind):
@@ -54,9 +52,8 @@ class Members(metaclass=_Kind):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            from adwave._unknown import unknown_member
-
-            raise AttributeError(unknown_member(type(self), name), name=name, obj=self)
+            message = import_module("adwave._unknown").unknown_member(type(self), name)
+            raise AttributeError(message, name=name, obj=self)
 
 
 class Carrier(Members):
@@ -65,14 +62,14 @@ class Carrier(Members):
     __slots__ = ()
 
     if TYPE_CHECKING:
-        decompose = _edits.decompose
-        denoise = _edits.denoise
-        features = _measures.features
-        filter = _edits.filter
-        filter_labels = _edits.filter_labels
-        region = _info.region
-        saliency = _measures.saliency
-        smooth = _edits.smooth
+        decompose = adwave.decompose
+        denoise = adwave.denoise
+        features = adwave.features
+        filter = adwave.filter
+        filter_labels = adwave.filter_labels
+        region = adwave.region
+        saliency = adwave.saliency
+        smooth = adwave.smooth
     else:
         decompose = _method("decompose")
         denoise = _method("denoise")

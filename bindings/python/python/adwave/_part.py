@@ -7,7 +7,7 @@ pair for a pair, and a `Shape` for a `Shape`, a path or a `Decomposer`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict, Union
 
@@ -83,6 +83,18 @@ class PrecisionOptions(SignalOptions, total=False):
     precision: Literal["auto", "single", "double"]
 
 
+class FilterOptions(PrecisionOptions, total=False):
+    """Further options of `filter`.
+
+    Parameters
+    ----------
+    accuracy : float
+        Largest error of a band relative to the band.
+    """
+
+    accuracy: float
+
+
 class SmoothCall(SmoothOptions, total=False):
     """All keywords of `smooth`, for type checkers."""
 
@@ -94,7 +106,7 @@ class SmoothCall(SmoothOptions, total=False):
     progress: ProgressLike
 
 
-class FilterCall(PrecisionOptions, total=False):
+class FilterCall(FilterOptions, total=False):
     """All keywords of `filter`, for type checkers."""
 
     where: Where
@@ -102,7 +114,6 @@ class FilterCall(PrecisionOptions, total=False):
     operator: OperatorLike
     constraints: Union[Constraints, None]
     local_fit: Union[Literal["linear", "constant"], None]
-    accuracy: float
     progress: ProgressLike
 
 
@@ -257,13 +268,14 @@ def read_part(
     """
     wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
     wanted += ("precision",) if function in _WITH_PRECISION else ()
+    wanted += ("accuracy",) if function == "filter" else ()
     _check_order(function, shape, signal, [*known, *wanted])
+    if options.get("faces") is None and signal is not None:
+        ask_about_faces(function, shape, signal, [*known, *wanted])
     if options:
         refuse_unknown(function, options, known, wanted)
     shape = as_domain(shape)
     faces = options.get("faces")
-    if faces is None and signal is not None:
-        ask_about_faces(function, shape, signal)
     mask, only = options.get("mask"), options.get("only")
     if isinstance(shape, Decomposer):
         given = next((name for name in _PART if options.get(name) is not None), None)
@@ -289,6 +301,11 @@ def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> Operat
     return as_operator(operator).with_exact_masses() if options.get("exact") else operator
 
 
+def own_signal(given: object) -> SignalLike:
+    """Data of an object that is a signal on a shape, such as an image on a surface; None for a shape."""
+    return given._own_signal() if isinstance(given, Decomposer) else _adapt.own_signal(given)
+
+
 def default_signal(part: Part, signal: SignalLike) -> SignalLike:
     """The signal, or the data of an object that is a signal on a shape, such as an image on a surface.
 
@@ -303,7 +320,7 @@ def default_signal(part: Part, signal: SignalLike) -> SignalLike:
         return np.array([signal.get(node, np.nan) for node in given], dtype=np.float64)  # type: ignore[attr-defined]
     if signal is not None:
         return signal
-    own = given._own_signal() if isinstance(given, Decomposer) else _adapt.own_signal(given)
+    own = own_signal(given)
     if own is None and part.whole_shape.kind == "graph" and not part.whole_shape.points.size:
         fields = part.whole_shape.fields
         names = [repr(name) for name in fields if fields[name].ndim == 1]
@@ -334,8 +351,9 @@ def grid_method(function: str, shape: Any, options: Any) -> Callable[..., Any] |
     )
     if not is_image and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > _MAX_CORNERS):
         return None
-    from adwave._grid import Grid  # above this module
+    import adwave  # the package loads the module of `Grid`, which is above this one
 
+    Grid = adwave.Grid
     mask = options.pop("mask", None)
     places, names = known_options(getattr(Grid, function))
     refuse_unknown(function, options, [*places[1:], *names], ())
@@ -402,7 +420,7 @@ def _check_order(function: str, shape: Any, signal: Any, known: list[str]) -> No
     raise TypeError(f"{function}: {what}{working_line(function, change, f'aw.{function}(aw.grid(array))')}")
 
 
-def ask_about_faces(function: str, shape: object, second: object) -> None:
+def ask_about_faces(function: str, shape: object, second: object, known: Sequence[str] = ()) -> None:
     """Raise TypeError if the second argument looks like the faces of an array of points.
 
     Parameters
@@ -411,6 +429,8 @@ def ask_about_faces(function: str, shape: object, second: object) -> None:
         Name of the function, for the message.
     shape, second : object
         The first two arguments.
+    known : sequence of str
+        Options of the function; those that are none of them are renamed in the line.
     """
     if isinstance(second, str) or not isinstance(shape, (np.ndarray, list)):
         return
@@ -421,6 +441,8 @@ def ask_about_faces(function: str, shape: object, second: object) -> None:
     def join(call: Call) -> None:
         if len(call.arguments) > 1:
             call.arguments[:2] = [f"({call.arguments[0]}, {call.arguments[1]})"]
+        for name in [name for name in call.keywords if known and name not in known]:
+            rename_keyword(call, name, known)
         if function in ("match", "distances"):
             call.arguments.append(rest)
 

@@ -15,7 +15,7 @@ from adwave._caller import public
 from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._notebook import PictureRequest
-from adwave._part import default_signal, read_part
+from adwave._part import own_signal, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
 
@@ -229,7 +229,7 @@ def render(
     """
     part = read_part("render", shape, options, _RENDER, values)
     own = part.shape
-    values = default_signal(part.given, values)
+    values = own_signal(part.given) if values is None else values
     if values is not None and not isinstance(values, str):
         values = _one_value(values)
         if part.selection is not None:

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._caller import public, warn
+from adwave._caller import Call, public, warn
 from adwave._deform import Deformer
 from adwave._methods import Carrier
 from adwave._notebook import shape_html
 from adwave._progress import ProgressLike, report_progress
+from adwave._unknown import working_line
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
@@ -782,7 +783,17 @@ def sample(name: str = "creature", *, vertices: int | None = None, noise: float 
     >>> aw.sample("sphere", vertices=100)
     <adwave.Shape: mesh, 100 vertices, 196 faces>
     """
-    return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
+    try:
+        return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
+    except ValueError as error:
+        if "there is no sample" not in str(error):
+            raise
+        raise ValueError(f"{error}{working_line('sample', _any_sample, 'aw.sample()')}") from None
+
+
+def _any_sample(call: Call) -> None:
+    call.arguments[:] = ['"creature"']
+    call.keywords.pop("name", None)
 
 
 @public()

@@ -10,6 +10,7 @@ import ast
 import inspect
 from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -284,8 +285,7 @@ def known_options(function: Callable[..., Any]) -> tuple[list[str], list[str]]:
 
 def _names_of_dict(annotation: object) -> list[str]:
     """Keys of ``Unpack[SomeOptions]``, which is a text in this package."""
-    from adwave import _options, _part
-
+    _options, _part = (import_module(f"adwave.{each}") for each in ("_options", "_part"))
     name = str(annotation).partition("[")[2].rstrip("]'\"")
     options = getattr(_part, name, None) or getattr(_options, name, None)
     return [] if options is None else _all_keys(options)
@@ -510,6 +510,13 @@ def _complete(call: Call, values: Sequence[Any] | None, known: Collection[str] =
         gains = [text for text in call.arguments[own:] if _is_gains(text)]
         if not gains and len(call.arguments) in (own, own + 1):
             call.arguments.append('"smooth"')
+    if (
+        name in ("walk", "Walk")
+        and "normalize" not in call.keywords
+        and call.arguments
+        and "(" not in call.arguments[0]
+    ):
+        call.keywords["normalize"] = "'row'"
     if name == "simplify" and not {"error", "vertices", "ratio"} & call.keywords.keys():
         call.keywords["ratio"] = "0.5"
 

@@ -290,6 +290,8 @@ def walk(
 
 
 def _make_walk(graph: Any, normalize: Normalization | None, self_loops: Any, symmetrize: Any, stay: float) -> Walk:
+    if isinstance(normalize, bool):
+        raise TypeError(f"normalize must be 'row', 'column' or 'symmetric', got {normalize}{_normalized_line()}")
     library = graph_library(graph)
     if library is not None:
         if normalize is None:

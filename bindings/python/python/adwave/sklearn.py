@@ -211,6 +211,8 @@ class SignalBands(TransformerMixin, BaseEstimator):
         shape = self.shape
         if shape is None:
             n = rows.shape[1]
+            if n < 2:
+                raise ValueError(f"X has {n} feature(s), and a chain has two columns or more; give a shape")
             shape = X if _is_surface_image(X) else graph(n, np.column_stack([np.arange(n - 1), np.arange(1, n)]))
         self.decomposer_ = prepare_decomposer(shape, self.operator, self.levels)
         self.steps_ = self.decomposer_.schedule(self.levels)
@@ -250,7 +252,6 @@ class SignalBands(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self)
         rows = self._rows(X)
-        self._check_columns(rows)
         levels = Steps(self.steps_)
         bands = self.decomposer_.decompose(np.ascontiguousarray(rows.T), levels=levels).array
         dtype = float_type(rows)
@@ -324,6 +325,12 @@ class SignalBands(TransformerMixin, BaseEstimator):
             rows = _rows_of_image(X)
             self.n_features_in_ = rows.shape[1] if reset else self.n_features_in_
             return rows
+        shape = np.shape(X) if not reset and hasattr(X, "shape") else ()  # type: ignore[arg-type]
+        if len(shape) == 2 and shape[0] == self.n_features_in_ != shape[1]:
+            raise ValueError(
+                f"X has {shape[1]} features, but {type(self).__name__} is expecting {shape[0]} features as input: it must be "
+                f"samples × {shape[0]} vertices; pass X.T"
+            )
         settings: dict[str, Any] = {"dtype": [np.float64, np.float32], "reset": reset}
         try:
             from sklearn.utils import validation
