@@ -58,14 +58,14 @@ def magic(n: int, genes: int) -> None:
     operator.fit(counts)
     theirs, seconds = timed(lambda: np.asarray(operator.transform(counts)))
     walk = aw.walk(sparse.csr_array(operator.graph.diff_op))
-    ours, own = timed(lambda: aw.impute(counts, walk, t=3).values)
+    ours, own = timed(lambda: aw.impute(counts, walk, steps=3).values)
     row(f"imputation, {n} × {genes}, t = 3", "MAGIC", abs(ours - theirs).max(), (seconds, own))
 
 
 def scipy_powers(n: int, channels: int, steps: int) -> None:
     """Powers of a walk by scipy's sparse products."""
     coordinates, counts = cells(n, channels)
-    walk = aw.points(coordinates, neighbors=15)
+    walk = aw.point_walk(coordinates, neighbors=15)
     matrix = walk.matrix().tocsr()
 
     def theirs() -> np.ndarray:

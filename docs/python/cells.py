@@ -50,7 +50,7 @@ print(
     f"{found.steps:g} steps chosen; error {error(counts):.3f} before, {error(found.values):.3f} after"
 )
 errors = {
-    steps: error(aw.impute(counts, found.walk, t=steps).values) for steps in range(1, 9)
+    steps: error(aw.impute(counts, found.walk, steps=steps).values) for steps in range(1, 9)
 }
 print("error after 1 to 8 steps:", *(f"{value:.3f}" for value in errors.values()))
 assert error(found.values) < 1.05 * min(errors.values()) < 0.6 * error(counts)

@@ -23,7 +23,7 @@ def _cells(seed: int, n: int = 200, genes: int = 40) -> np.ndarray:
 def test_equal_cells_have_equal_values_in_every_layout(seed: int) -> None:
     counts = _cells(seed)
     results = [
-        aw.impute(layout, t=3).values
+        aw.impute(layout, steps=3).values
         for layout in (
             counts,
             np.asfortranarray(counts),
@@ -40,11 +40,11 @@ def test_equal_cells_have_equal_values_in_every_layout(seed: int) -> None:
 
 def test_cells_of_one_kind_and_panels_of_few_genes() -> None:
     few = np.random.default_rng(5).poisson(0.4, (120, 3)).astype(float)
-    values = aw.impute(few, t=2).values
+    values = aw.impute(few, steps=2).values
     for kind in np.unique(few, axis=0):
         same = (few == kind).all(axis=1)
         assert np.ptp(values[same], axis=0).max() < 1e-12
-    assert np.allclose(aw.impute(np.tile([3.0, 1.0, 2.0], (20, 1)), t=2).values, [3.0, 1.0, 2.0])
+    assert np.allclose(aw.impute(np.tile([3.0, 1.0, 2.0], (20, 1)), steps=2).values, [3.0, 1.0, 2.0])
 
 
 @pytest.mark.parametrize("value", [-1.0, np.nan, np.inf])
@@ -53,4 +53,4 @@ def test_values_that_are_no_counts_are_refused(value: float, layout: object) -> 
     counts = _cells(1)
     counts[7, 3] = value
     with pytest.raises(ValueError, match=r"cell 7, gene 3"):
-        aw.impute(layout(counts), t=2)  # type: ignore[operator]
+        aw.impute(layout(counts), steps=2)  # type: ignore[operator]

@@ -78,7 +78,7 @@ def test_signals_of_any_layout() -> None:
         by_time.apply([0, 0, 0]), np.stack([aw.decompose(SHAPE, row, levels=3).apply([0, 0, 0]) for row in rows])
     )
     assert np.allclose(aw.smooth(SHAPE, rows, steps=2)[2], 3 * aw.smooth(SHAPE, f, steps=2))
-    assert aw.filter(SHAPE, [0, 1], signal=rows).shape == rows.shape
+    assert aw.filter(SHAPE, rows, [0, 1]).shape == rows.shape
     assert aw.denoise(SHAPE, rows).result.shape == rows.shape
     with pytest.raises(ValueError, match=rf"\(times, {N}\)"):
         aw.decompose(SHAPE, np.zeros(7))
@@ -168,20 +168,20 @@ def test_where_takes_indices() -> None:
         (lambda: aw.decompose(SHAPE, f, k=12), r"operator=aw\.Operator\(neighbors=12\)"),
         (lambda: aw.decompose(SHAPE, f, n_jobs=4), r"with aw\.threads\(4\)"),
         (lambda: aw.filter(SHAPE, "smooth", weights=f), "where="),
-        (lambda: aw.render(SHAPE, f, cmap="magma"), r"scale=aw\.ColorScale\(color_map='magma'\)"),
+        (lambda: aw.render(SHAPE, f, cmap="magma"), r'scale=aw\.ColorScale\(color_map="magma"\)'),
         (lambda: aw.smooth(SHAPE, f, sigma=2), r"fwhm=4\.7096"),
         (lambda: aw.decompose(SHAPE, f, sigma=[1, 2]), r"levels=aw\.Widths\(fwhm=\[2\.3548, 4\.7096\]\)"),
         (lambda: aw.decompose(SHAPE, f, n_levels=5), "levels=5"),
         (lambda: aw.Decomposer(SHAPE).decompose(f, scales=[1, 2]), r"levels=aw\.Widths\(fwhm=\[1, 2\]\)"),
-        (lambda: aw.filter(SHAPE, "smooth", region="ball:vertex=3,radius=5%"), "where='ball:vertex=3,radius=5%'"),
-        (lambda: aw.decompose(SHAPE, f, opertor="surface"), "operator='surface'"),
+        (lambda: aw.filter(SHAPE, "smooth", region="ball:vertex=3,radius=5%"), 'where="ball:vertex=3,radius=5%"'),
+        (lambda: aw.decompose(SHAPE, f, opertor="surface"), 'operator="surface"'),
         (lambda: aw.decompose(SHAPE, levels=[1, 2]), r"levels=aw\.Widths\(fwhm=\[1, 2\]\)"),
         (lambda: aw.decompose(SHAPE, levels=2.5), r"levels=aw\.Steps\(\[2\.5\]\)"),
         (lambda: aw.decompose(SHAPE, levels=-1), "levels=8"),
-        (lambda: aw.filter(SHAPE, f), 'aw.filter\\(shape, "smooth", signal=f\\)'),
+        (lambda: aw.filter(SHAPE, f), r'write aw\.filter\(SHAPE, f, "smooth"\)'),
         (lambda: aw.decompose(SHAPE, levels=3).apply(2.0), r"bands\.apply\(\[2\.0\] \* 3\)"),
-        (lambda: aw.decompose(np.zeros((40, 50))), r"aw\.decompose\(shape, values\)"),
-        (lambda: aw.decompose(np.zeros((20, 30, 3))), r"aw\.grid\(image, axes=\(0, 1\)\)"),
+        (lambda: aw.decompose(np.zeros((40, 50))), r"write aw\.decompose\(aw\.grid\(np\.zeros\(\(40, 50\)\)\)\)"),
+        (lambda: aw.decompose(np.zeros((20, 30, 3))), r"aw\.grid\(np\.zeros\(\(20, 30, 3\)\), axes=\(0, 1\)\)"),
         (lambda: aw.graph(3, [[0, 1], [1, 2]], weights=[1, -1]), "edge 1 has the weight -1"),
     ],
 )
@@ -200,14 +200,14 @@ def test_the_same_rule_for_all_functions() -> None:
         aw.filter(mesh, "smooth"),
         aw.smooth(mesh, steps=2),
         aw.denoise(mesh, "heat").result,
-        aw.filter(mesh, "smooth", signal="heat"),
+        aw.filter(mesh, "heat", "smooth"),
         aw.smooth(mesh, "heat", steps=2),
         aw.simplify(mesh, ratio=0.5).shape,
     ):
         assert type(changed) is trimesh.Trimesh
     assert not np.array_equal(aw.smooth(mesh, "heat", steps=2).vertex_attributes["heat"], f)
     assert np.array_equal(aw.smooth(mesh, "heat", steps=2).vertices, mesh.vertices)
-    for given in (aw.denoise(mesh, f).result, aw.filter(mesh, "smooth", signal=f), aw.smooth(mesh, f, steps=2)):
+    for given in (aw.denoise(mesh, f).result, aw.filter(mesh, f, "smooth"), aw.smooth(mesh, f, steps=2)):
         assert type(given) is np.ndarray and given.shape == f.shape
     points, faces = aw.filter((V, F), "smooth")
     assert np.array_equal(faces, F) and points.shape == V.shape
@@ -237,9 +237,9 @@ def test_masks_and_conditions_work_everywhere() -> None:
         clean = aw.denoise(shape, **options).result
         assert np.array_equal(clean.points[inside], aw.denoise(part).result.points)
         assert np.array_equal(clean.points[~inside], V[~inside])
-        values = aw.filter(shape, [0, 1], signal=f, **options)
+        values = aw.filter(shape, f, [0, 1], **options)
         assert np.array_equal(values[~inside], f[~inside])
-        named = aw.filter(shape.with_field("f", f), [0, 1], signal="f", **options)
+        named = aw.filter(shape.with_field("f", f), "f", [0, 1], **options)
         assert np.allclose(named["f"], values)
         assert aw.info(shape, **options).vertices == inside.sum()
         assert aw.render(shape, f, size=(40, 30), **options).array.any()

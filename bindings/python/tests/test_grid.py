@@ -118,10 +118,9 @@ def test_bands_and_base_sum_to_the_values(dtype: type) -> None:
     bands = aw.grid(values, (1, 1, 2)).decompose(sigma=[1, 2, 4])
     assert bands.shape == (4, 20, 24, 12) and bands.fwhm == pytest.approx([FWHM, 2 * FWHM, 4 * FWHM])
     total = bands.sum(axis=0)
-    assert np.abs(total - values).max() < 1e-12
-    assert dtype == np.float64 or np.array_equal(
-        (np.rint(total) if dtype != np.float32 else total).astype(dtype), values
-    )
+    assert np.abs(total - values).max() < (1e-4 if dtype == np.float32 else 1e-12)
+    assert bands.dtype == (np.float32 if dtype == np.float32 else np.float64)
+    assert dtype == np.float32 or dtype == np.float64 or np.array_equal(np.rint(total).astype(dtype), values)
     assert np.abs(bands.scaling(2) - heat(values.astype(float), 2, (1, 1, 2))).max() < 1e-7
 
 
@@ -257,9 +256,9 @@ def test_gains_of_one_change_nothing_and_of_zero_smooth() -> None:
     smooth = grid.filter([0, 0], sigma=[1, 2])
     assert np.abs(smooth - heat(values, 2)).max() < 1e-7
     slope = np.add.outer(np.arange(24.0), 2 * np.arange(20.0))
-    assert np.abs(grid.filter([0, 0], slope, local_fit="linear") - slope).max() < 1e-6
-    assert np.abs(grid.filter([0, 0], slope).sum() / slope.sum() - 1) < 1e-9
-    assert np.abs(aw.filter(grid, [0, 0], signal=values) - grid.filter([0, 0])).max() < 1e-12
+    assert np.abs(grid.filter(slope, [0, 0], local_fit="linear") - slope).max() < 1e-6
+    assert np.abs(grid.filter(slope, [0, 0]).sum() / slope.sum() - 1) < 1e-9
+    assert np.abs(aw.filter(grid, values, [0, 0]) - grid.filter([0, 0])).max() < 1e-12
 
 
 def test_noise_is_removed_and_steps_are_kept() -> None:
@@ -548,8 +547,8 @@ RGB = noise(8, 9, 3)
         (lambda: aw.grid(3.0), r"a single number is no grid; .*aw\.grid\(np\.zeros\(\(64, 64\)\)\)"),
         (lambda: aw.grid("brain.nii.gz"), r"aw\.grid\(nibabel\.load\(path\)\)"),
         (lambda: aw.grid(None), r"aw\.grid\(np\.zeros\(\(64, 64\)\)\)"),
-        (lambda: aw.grid(IMAGE).smooth(4.0), r"grid\.smooth\(fwhm=4\.0\)"),
-        (lambda: aw.grid(IMAGE).smooth(), r"grid\.smooth\(fwhm=8\.0\)"),
+        (lambda: aw.grid(IMAGE).smooth(4.0), r"write aw\.grid\(IMAGE\)\.smooth\(sigma=4\.0\)"),
+        (lambda: aw.grid(IMAGE).smooth(), r"write aw\.grid\(IMAGE\)\.smooth\(sigma=2\)"),
         (lambda: aw.grid(IMAGE).smooth(fwhm=2, sigma=1), "sigma and another"),
         (lambda: aw.grid(IMAGE).smooth(sigma=(1, 2)), r"spacing=\(…\) to aw\.grid .*smooth\(sigma=2\.0\)"),
         (lambda: aw.grid(IMAGE).smooth(sigma=0), r"sigma=2\.0, got 0"),
@@ -567,7 +566,7 @@ RGB = noise(8, 9, 3)
         (lambda: aw.info(aw.grid(IMAGE)), r"a grid has no surface.*grid\.smooth\(fwhm=8\)"),
         (lambda: aw.grid(IMAGE).decompose(sigma=[1, 2], fwhm=[2, 4]), "given twice, by sigma"),
         (lambda: aw.grid(IMAGE).filter([0, 1, 1], where=IMAGE[:3]), r"where: shape \(3, 9\) is not that of the grid"),
-        (lambda: aw.decompose(RGB), r"aw\.grid\(image, axes=\(0, 1\)\)"),
+        (lambda: aw.decompose(RGB), r"write aw\.decompose\(aw\.grid\(RGB, axes=\(0, 1\)\)\)"),
         (lambda: aw.decompose(noise(8, 9, 7)), r"aw\.grid\(volume\)"),
     ],
 )

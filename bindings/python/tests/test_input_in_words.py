@@ -23,12 +23,12 @@ def test_sentinels_count_as_unknown(sentinel: float) -> None:
     f[:60] = sentinel
     known = np.where(f == sentinel, np.nan, f)
     with pytest.warns(UserWarning, match="60 values of the signal are .* and count as unknown; numpy.ma.masked_array"):
-        found = aw.filter(SPHERE, "smooth", signal=f)
-    np.testing.assert_array_equal(found, aw.filter(SPHERE, "smooth", signal=known))
+        found = aw.filter(SPHERE, f, "smooth")
+    np.testing.assert_array_equal(found, aw.filter(SPHERE, known, "smooth"))
     assert np.isnan(found[:60]).all() and np.abs(found[60:]).max() < 10
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        as_numbers = aw.filter(SPHERE, "smooth", signal=np.ma.masked_array(f, False))
+        as_numbers = aw.filter(SPHERE, np.ma.masked_array(f, False), "smooth")
     assert np.abs(as_numbers[60:]).max() > 100
     with pytest.warns(UserWarning, match="60 values of"):
         aw.decompose(SPHERE.with_field("depth", f), "depth", levels=3)
@@ -86,11 +86,11 @@ def test_graphs_of_other_libraries_warn_too() -> None:
 def test_messages_lead_to_the_line_that_works() -> None:
     nx = pytest.importorskip("networkx")
     graph = nx.karate_club_graph()
-    with pytest.raises(TypeError, match=r"pass adwave\.walk\(graph, normalize='row'\) to make one"):
+    with pytest.raises(TypeError, match=r"write aw\.walk\(graph, normalize='row'\)"):
         aw.walk(graph)
     lazy = aw.walk(graph, normalize="row", stay=0.5)
     assert aw.scattering(lazy, np.arange(34.0), pool="moments").features().shape[0] == 1
-    with pytest.raises(ValueError, match=r"is square, got shape \(34, 3\); .* adwave\.points\(X\)"):
+    with pytest.raises(ValueError, match=r"is square, got shape \(34, 3\); .* adwave\.point_walk\(X\)"):
         aw.walk(np.ones((34, 3)))
 
 
@@ -98,13 +98,13 @@ def test_counts_that_are_none_are_refused_in_words() -> None:
     counts = np.random.default_rng(0).poisson(2.0, (60, 20)).astype(float)
     bad = counts.copy()
     bad[3, 4] = -1
-    with pytest.raises(ValueError, match=r"X must be counts of at least 0 .*, got -1\.0 in cell 3, gene 4"):
+    with pytest.raises(ValueError, match=r"counts must be numbers of at least 0 .*, got -1\.0 in cell 3, gene 4"):
         aw.impute(bad)
     sparse = pytest.importorskip("scipy.sparse")
     for wrong in (np.nan, np.inf):
         bad[3, 4] = wrong
         for given in (bad, sparse.csr_array(bad)):
-            with pytest.raises(ValueError, match=r"X must be finite, got (nan|inf) in cell 3, gene 4"):
+            with pytest.raises(ValueError, match=r"counts must be finite, got (nan|inf) in cell 3, gene 4"):
                 aw.impute(given)
 
 

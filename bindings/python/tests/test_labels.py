@@ -23,7 +23,7 @@ def test_a_named_field_of_labels_is_refused() -> None:
     shape = aw.sample("sphere", vertices=300)
     shape = shape.with_field("classification", np.arange(shape.n_vertices, dtype=np.uint8) % 5)
     with pytest.raises(ValueError, match="labels"):
-        aw.filter(shape, [0.0], signal="classification")
+        aw.filter(shape, "classification", [0.0])
     with pytest.raises(ValueError, match="labels"):
         aw.denoise(shape, signal="classification")
-    assert len(aw.filter(shape, [0.0], signal=shape.fields["classification"])) == shape.n_vertices
+    assert len(aw.filter(shape, shape.fields["classification"], [0.0])) == shape.n_vertices

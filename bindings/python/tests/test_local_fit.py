@@ -19,12 +19,12 @@ def test_heights_on_a_plane_stay_and_the_plain_operator_moves_them() -> None:
     points, truth = slope()
     for moved in [
         aw.filter(points, "smooth", levels=4, constraints=aw.Constraints(along="z"))[:, 2],
-        aw.filter(points, "smooth", levels=4, signal="z")[:, 2],
-        aw.filter(points, "smooth", levels=4, signal=truth),
+        aw.filter(points, "z", "smooth", levels=4)[:, 2],
+        aw.filter(points, truth, "smooth", levels=4),
         aw.denoise(points, signal=truth).result,
     ]:
         assert np.abs(moved - truth).max() < 1e-9 * 100
-    plain = aw.filter(points, "smooth", levels=4, signal=truth, local_fit="constant")
+    plain = aw.filter(points, truth, "smooth", levels=4, local_fit="constant")
     assert np.abs(plain - truth).max() > 0.1
 
 
@@ -41,4 +41,4 @@ def test_a_noisy_slope_is_smoothed_to_a_third_of_the_noise() -> None:
 def test_an_unknown_fit_is_an_error() -> None:
     points, truth = slope()
     with pytest.raises(ValueError, match="local_fit"):
-        aw.filter(points, "smooth", levels=2, signal=truth, local_fit="cubic")  # type: ignore[call-overload]
+        aw.filter(points, truth, "smooth", levels=2, local_fit="cubic")  # type: ignore[call-overload]

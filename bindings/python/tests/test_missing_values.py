@@ -20,9 +20,9 @@ def values(shape):
 
 
 def test_a_gap_in_one_channel_leaves_the_others_alone(shape, values):
-    filtered = aw.filter(shape, [0, 0, 0], signal=values)
+    filtered = aw.filter(shape, values, [0, 0, 0])
     for channel in range(4):
-        alone = aw.filter(shape, [0, 0, 0], signal=values[:, channel])
+        alone = aw.filter(shape, values[:, channel], [0, 0, 0])
         np.testing.assert_allclose(filtered[:, channel], alone, rtol=0, atol=1e-12, equal_nan=True)
     assert (np.isnan(filtered) == np.isnan(values)).all()
     assert np.nanstd(filtered[:, 0] - shape.points[:, 0]) < 0.6
@@ -30,11 +30,11 @@ def test_a_gap_in_one_channel_leaves_the_others_alone(shape, values):
 
 def test_a_channel_without_values_stays(shape, values):
     with_empty = np.column_stack([values[:, 0], np.full(shape.n_vertices, np.nan)])
-    filtered = aw.filter(shape, [0, 0], signal=with_empty)
-    np.testing.assert_array_equal(filtered[:, 0], aw.filter(shape, [0, 0], signal=values[:, 0]))
+    filtered = aw.filter(shape, with_empty, [0, 0])
+    np.testing.assert_array_equal(filtered[:, 0], aw.filter(shape, values[:, 0], [0, 0]))
     assert np.isnan(filtered[:, 1]).all()
     with pytest.raises(ValueError, match="NaN at all"):
-        aw.filter(shape, [0, 0], signal=with_empty[:, 1])
+        aw.filter(shape, with_empty[:, 1], [0, 0])
 
 
 def test_denoising_treats_groups_of_channels(shape, values):

@@ -112,7 +112,7 @@ def test_images_and_volumes_of_pyvista() -> None:
     assert isinstance(aw.smooth(grid, "density", steps=3), pv.UnstructuredGrid)
     assert np.allclose(aw.smooth(grid, "density", steps=3)["density"], smooth["density"])
     with pytest.raises(TypeError, match="give a signal"):
-        aw.filter(image, "smooth", signal="coords", levels=2)
+        aw.filter(image, "coords", "smooth", levels=2)
 
 
 def test_results_without_a_place_are_shapes_or_arrays() -> None:

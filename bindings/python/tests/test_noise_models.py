@@ -45,7 +45,7 @@ def test_relative_noise_has_a_model_and_values_below_zero_are_refused() -> None:
 def test_noise_that_neighbors_share_is_removed_on_request() -> None:
     clean = aw.sample("sphere", vertices=4000)
     random = np.random.default_rng(5)
-    heights = aw.filter(clean, [0, 0, 1], signal=random.standard_normal(clean.n_vertices))
+    heights = aw.filter(clean, random.standard_normal(clean.n_vertices), [0, 0, 1])
     edge = np.linalg.norm(clean.points[clean.faces[:, 0]] - clean.points[clean.faces[:, 1]], axis=1).mean()
     heights *= 0.2 * edge / heights.std()
     noisy = aw.Shape(clean.points * (1 + heights[:, None]), clean.faces)

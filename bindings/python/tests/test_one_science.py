@@ -54,7 +54,7 @@ def test_options_without_effect_are_errors() -> None:
         aw.Constraints(border="banana")  # type: ignore[arg-type]
     for signal in (f, "x"):
         with pytest.raises(ValueError, match=r"constraints: .* leave them out"):
-            aw.filter(walk, [0, 1], signal=signal, constraints=aw.Constraints(volume="keep", along="normal"))
+            aw.filter(walk, signal, [0, 1], constraints=aw.Constraints(volume="keep", along="normal"))
     edges = np.stack([np.arange(30), np.arange(30) + 1], axis=1)
     curve = aw.Decomposer(aw.graph(31, edges, points=np.c_[np.arange(31), np.sin(np.arange(31)), np.zeros(31)]))
     free = aw.Constraints(border="free")
@@ -200,7 +200,7 @@ def test_the_accessor_takes_every_signal() -> None:
     mesh.point_data["elev"] = f
     clean = mesh.adwave.denoise(signal="elev")
     assert np.array_equal(clean.points, mesh.points) and not np.array_equal(clean["elev"], f)
-    assert mesh.adwave.filter([0, 1], signal=f).shape == (N,)
+    assert mesh.adwave.filter(f, [0, 1]).shape == (N,)
     assert mesh.adwave.denoise(f).shape == (N,)
     assert mesh.adwave.smooth("elev", fwhm=0.2).n_points == N
     assert mesh.adwave.decompose("elev", levels=3).shape == (4, N)

@@ -74,8 +74,8 @@ def test_bands_filters_and_maps_are_those_of_the_stored_rows() -> None:
         "bands": lambda d: np.asarray(d.decompose(f, levels=6)),
         "bands of channels": lambda d: np.asarray(d.decompose(field(2, 20), levels=4)),
         "smooth": lambda d: aw.smooth(d, f, steps=5),
-        "filter": lambda d: aw.filter(d, "smooth", signal=f, levels=5),
-        "region": lambda d: aw.filter(d, aw.Layer([0, 0, 1], "ball:vertex=300,radius=0.5"), signal=f, levels=3),
+        "filter": lambda d: aw.filter(d, f, "smooth", levels=5),
+        "region": lambda d: aw.filter(d, f, aw.Layer([0, 0, 1], "ball:vertex=300,radius=0.5"), levels=3),
         "saliency": lambda d: aw.saliency(d, signal=f, levels=5),
         "denoise": lambda d: aw.denoise(d, signal=f).result,
     }

@@ -34,8 +34,9 @@ def test_signals_on_a_graph_become_features() -> None:
     assert search.fit(X, y).best_score_ > 0.9
     with pytest.raises(ValueError, match=r"X\.T"):
         split.transform(X[:60].T)
-    with pytest.raises(ValueError, match="shape must be given"):
-        SignalBands().fit(X)
+    # Without a shape the columns are a chain.
+    chain = aw.graph(60, [[i, i + 1] for i in range(59)])
+    assert np.array_equal(SignalBands(levels=3).fit_transform(X), SignalBands(chain, levels=3).fit_transform(X))
 
 
 def test_features_match_by_their_descriptors() -> None:

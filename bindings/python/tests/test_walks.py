@@ -69,8 +69,8 @@ def test_bands_of_a_given_walk_are_differences_of_its_powers() -> None:
         (lambda: aw.from_edge_index([[0, 5], [1, 0]], nodes=3), "0..=2"),
         (lambda: aw.from_edge_index([[0], [1]], [1.0, 2.0]), "edge_weight"),
         (lambda: aw.neighbors([[1], [9]], [[1.0], [1.0]]), "names neighbor 9"),
-        (lambda: aw.points([[np.nan]]), "coordinate 0"),
-        (lambda: aw.points(np.ones((3, 2)), kernel="box"), "kernel"),  # pyright: ignore[reportArgumentType]
+        (lambda: aw.point_walk([[np.nan]]), "coordinate 0"),
+        (lambda: aw.point_walk(np.ones((3, 2)), kernel="box"), "kernel"),  # pyright: ignore[reportArgumentType]
     ],
 )
 def test_wrong_walks_are_refused(make: Any, message: str) -> None:
@@ -81,7 +81,7 @@ def test_wrong_walks_are_refused(make: Any, message: str) -> None:
 def test_neighbors_are_exact_and_duplicates_harmless() -> None:
     X = RNG.normal(size=(200, 7))
     X[50] = X[51]
-    walk = aw.points(X, neighbors=4, self_loops=0.0)
+    walk = aw.point_walk(X, neighbors=4, self_loops=0.0)
     rows = walk.matrix().tolil().rows
     distances = np.linalg.norm(X[:, None] - X, axis=2)
     np.fill_diagonal(distances, np.inf)
@@ -100,17 +100,17 @@ def test_isolated_nodes_and_empty_graphs() -> None:
 
 
 def test_imputation_is_the_power_for_dense_sparse_and_integer_counts() -> None:
-    walk = aw.points(RNG.normal(size=(60, 5)), neighbors=6)
+    walk = aw.point_walk(RNG.normal(size=(60, 5)), neighbors=6)
     counts = RNG.poisson(1.0, (60, 300))
     counts[:, 7] = 0
     expected = np.linalg.matrix_power(walk.matrix().toarray(), 3) @ counts
     for X in (counts, counts.astype(np.int8), sparse.csr_matrix(counts), sparse.csc_array(counts.astype(np.float32))):
-        found = aw.impute(X, walk, t=3)
+        found = aw.impute(X, walk, steps=3)
         assert np.allclose(found.values, expected, atol=1e-12)
     assert not found.values[:, 7].any()
-    some = aw.impute(sparse.csr_matrix(counts), walk, t=3, genes=[299, 4]).values
+    some = aw.impute(sparse.csr_matrix(counts), walk, steps=3, genes=[299, 4]).values
     assert np.array_equal(some, found.values[:, [299, 4]])
-    root = aw.impute(counts, walk, t=1, library_size=100.0, square_root=True).values
+    root = aw.impute(counts, walk, steps=1, library_size=100.0, square_root=True).values
     scaled = np.sqrt(100.0 * counts / counts.sum(1, keepdims=True))
     assert np.allclose(root, walk.matrix() @ scaled, atol=1e-12)
 
@@ -132,15 +132,15 @@ def test_the_time_is_chosen_by_cross_validation() -> None:
 def test_wrong_counts_are_refused() -> None:
     walk = ring(6)
     with pytest.raises(ValueError, match="transpose"):
-        aw.impute(np.ones((4, 6)), walk, t=1)
+        aw.impute(np.ones((4, 6)), walk, steps=1)
     with pytest.raises(ValueError, match="got nan in cell 0, gene 0"):
-        aw.impute(np.full((6, 1), np.nan), walk, t=1)
+        aw.impute(np.full((6, 1), np.nan), walk, steps=1)
     with pytest.raises(ValueError, match="whole steps"):
-        aw.impute(np.ones((6, 1)), walk, t=0.5)
+        aw.impute(np.ones((6, 1)), walk, steps=0.5)
     with pytest.raises(ValueError, match="genes"):
-        aw.impute(np.ones((6, 1)), walk, t=1, genes=["CD3E"])
+        aw.impute(np.ones((6, 1)), walk, steps=1, genes=["CD3E"])
     with pytest.raises(ValueError, match="layer"):
-        aw.impute(np.ones((6, 1)), walk, t=1, layer="counts")
+        aw.impute(np.ones((6, 1)), walk, steps=1, layer="counts")
 
 
 def test_an_annotated_matrix_brings_its_graph_and_names() -> None:
@@ -153,7 +153,7 @@ def test_an_annotated_matrix_brings_its_graph_and_names() -> None:
         obsp={"connectivities": weights},
         var_names=list("abc"),
     )
-    found = aw.impute(adata, t=2, genes=["c"], layer="raw")
+    found = aw.impute(adata, steps=2, genes=["c"], layer="raw")
     P = (weights.toarray() + np.eye(8)) / 3.0
     assert np.allclose(found.values[:, 0], P @ P @ (2.0 * counts[:, 2]), atol=1e-12)
     assert "connectivities" in found.notes[0]
@@ -182,17 +182,17 @@ def test_single_precision_keeps_to_its_bound() -> None:
     assert double.error_bound < 1e-12 < error <= single.error_bound < 1e-5
     counts = RNG.poisson(2.0, (50, 300))
     thirds = ring(50, stay=0.3)  # halves would be exact in single precision too
-    exact, near = (aw.impute(counts, thirds, t=3, precision=precision) for precision in ("auto", "single"))
+    exact, near = (aw.impute(counts, thirds, steps=3, precision=precision) for precision in ("auto", "single"))
     assert (exact.precision, near.precision) == ("double", "single")
     error = abs(exact.values - near.values).max()
     assert error > 0 and (abs(exact.values - near.values) <= near.error_bound * exact.values).all()
     assert near.error_bound < 4 * 6e-8
     patient = ring(50, stay=0.75)
-    assert aw.impute(counts, patient, t=0.5, precision="single").precision == "double"
+    assert aw.impute(counts, patient, steps=0.5, precision="single").precision == "double"
     with pytest.raises(ValueError, match="precision must be one of"):
         aw.scattering(walk, f, precision="half")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="precision must be one of"):
-        aw.impute(counts, walk, t=1, precision="half")  # type: ignore[arg-type]
+        aw.impute(counts, walk, steps=1, precision="half")  # type: ignore[arg-type]
 
 
 def test_pooled_scattering_of_a_batch_is_that_of_its_graphs() -> None:

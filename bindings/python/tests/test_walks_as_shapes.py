@@ -8,12 +8,12 @@ RANDOM = np.random.default_rng(3)
 
 
 def test_functions_of_shapes_take_walks() -> None:
-    lazy = aw.points(RANDOM.normal(size=(80, 5)), neighbors=6, stay=0.5)
+    lazy = aw.point_walk(RANDOM.normal(size=(80, 5)), neighbors=6, stay=0.5)
     f = RANDOM.normal(size=80)
     assert np.allclose(aw.smooth(lazy, f, steps=3), lazy.smooth(f, 3), atol=1e-9)
     bands = aw.decompose(lazy, f, levels=4)
     assert np.allclose(np.asarray(bands).sum(axis=0), f, atol=1e-12)
-    assert np.allclose(aw.filter(lazy, [0, 1, 1], signal=f), f - lazy.bands(f, [1])[0], atol=1e-9)
+    assert np.allclose(aw.filter(lazy, f, [0, 1, 1]), f - lazy.bands(f, [1])[0], atol=1e-9)
     assert aw.denoise(lazy, f).result.shape == (80,)
     assert np.allclose(aw.Decomposer(aw.graph(2, [[0, 1]])).smooth([1.0, 3.0], 2), 2.0)
 

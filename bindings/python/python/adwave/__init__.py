@@ -1,28 +1,28 @@
-"""Wavelets for shapes: split a mesh, a point cloud or a graph, or a signal on it, into bands from fine to coarse.
+"""Wavelets for shapes: split a mesh, a point cloud, a graph, an image, or a signal on it, into bands from fine to coarse.
 
-Each band is local in space and in frequency. Look at the bands (`saliency`, `features`), change them (`filter`,
-`Bands.apply`, `denoise`), and reconstruct the shape without loss:
-
+Start here
+----------
 >>> import adwave as aw
->>> shape = aw.sample("creature", vertices=3000)
->>> bands = aw.decompose(shape, levels=6)
+>>> shape = aw.sample("creature", vertices=3000)  # or aw.read("scan.ply"), (points, faces), a trimesh, a networkx graph …
+>>> bands = aw.decompose(shape, levels=6)  # six bands and the rest; they sum to the shape
 >>> bands.shape
 (7, 3032, 3)
->>> bool(abs(bands.reconstruct() - shape.points).max() < 1e-12)
-True
+>>> clean, info = aw.denoise(shape)  # the amount of noise is estimated
+>>> smooth = aw.filter(shape, "smooth")  # limbs and volume stay
+>>> heights = aw.smooth(shape, shape.points[:, 2], fwhm=0.2)  # a signal at the vertices
 
-A *shape* may be a path, an array of points, a pair ``(points, faces)``, a sparse matrix or an object of trimesh,
-PyVista, meshio, Open3D, networkx, nilearn, PyTorch Geometric, PyGSP or laspy. The order and the number of its vertices
-never change, and nothing is changed in place.
+Every call reads alike: the shape, then the signal, then what to do. Without a signal it is the shape itself that changes,
+and it comes back as the kind of object that was given. Numbers come back as numbers, in their own axes and number type.
+Nothing is changed in place, and the order and number of vertices never change.
 
 ==========================================  ============================================================
 smooth(shape, f, fwhm=8)                    smooth a signal, or the shape, by one width or number of steps
 decompose(shape, f, levels=8)               split it into `Bands` from fine to coarse
-filter(shape, "smooth")                     change the bands of the shape or of a signal, and sum them
+filter(shape, f, [0, 1, 1])                 a gain for each band; filter(shape, "smooth") for the shape
 denoise(shape, f)                           remove noise whose amount is estimated
 filter_labels(shape, labels, gains)         change labels by their shares
 saliency(shape, f), features(shape, f)      map where it stands out; find such places
-match(a, b), distances(a, b)                find the motion between two scans; measure their distance
+match(first, second), distances(…)          find the motion between two scans; measure their distance
 shape.deformer(fixed, handles)              bend a shape by handles while its detail rides along
 transfer(a, onto=b), morph(a, b, 0.5)       carry detail onto another mesh; blend by bands
 simplify(shape, ratio=0.1)                  remove vertices, with a measured error
@@ -30,20 +30,25 @@ hierarchy(shape)                            levels of a subdivided mesh, and wav
 render(shape, f), report(shape, "a.html")   draw it; write a page about it
 info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
-read(path), Shape(points, faces)            shapes; sample() and graph() make others
-grid(array, spacing=h, mask=m)              images and volumes with the same methods
 rasterize(points, cell=1)                   heights of a scan as a grid, and values back at points
-walk(P), points(X)                          random walks on graphs and on points of any dimension
 impute(counts, walk), scattering(walk, f)   averages over similar cells; features of fields on a graph
-Decomposer(shape)                           a shape prepared once, for many requests
 studio(shape)                               an equalizer in the browser
 ==========================================  ============================================================
 
-``help(aw.decompose)`` has the arguments of one function; `aw.torch`, `aw.sklearn`, `aw.dask` and `aw.baselines` are
-loaded when they are first used.
+Whatever has bands goes in the place of `shape`, and has the same functions as methods, ``shape.smooth(f, fwhm=8)``:
 
-``import adwave`` loads this file only; numpy and the extension are loaded with the first name that is used.
+==========================================  ============================================================
+read(path), Shape(points, faces)            meshes and clouds; sample() and graph() make others
+walk(W, normalize="row"), point_walk(X)     random walks on graphs and on points of any dimension
+grid(array, spacing=h, mask=m)              images and volumes, also of nibabel, xarray, SimpleITK, rasterio
+Decomposer(shape)                           any of them prepared once, for many requests
+==========================================  ============================================================
+
+A call that cannot run says which line does what was meant. ``help(aw.decompose)`` has the arguments of one function;
+`aw.sklearn`, `aw.torch`, `aw.dask` and `aw.baselines` are loaded when they are first used.
 """
+
+# `import adwave` loads this file only; numpy and the extension are loaded with the first name that is used.
 
 from __future__ import annotations
 
@@ -69,7 +74,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
     "_hierarchy": ("Coefficients", "Hierarchy", "hierarchy", "subdivide"),
     "_recipe": ("Recipe", "read_recipe"),
-    "_walk": ("ScatteringResult", "Walk", "from_edge_index", "neighbors", "points", "scattering", "walk"),
+    "_walk": ("ScatteringResult", "Walk", "from_edge_index", "neighbors", "point_walk", "scattering", "walk"),
     "_grid": ("Grid", "grid"),
     "_raster": ("Raster", "rasterize"),
     "_impute": ("Imputation", "impute"),
@@ -83,6 +88,9 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
 #: Public modules that are loaded when they are first used; all but `baselines` need another package.
 _MODULES = ("baselines", "dask", "sklearn", "torch")
 
+#: Former names, which go with the next release.
+_RENAMED = {"points": "point_walk"}
+
 _MODULE_OF = {name: module for module, names in _EXPORTS.items() for name in names}
 
 __all__ = sorted([*_MODULE_OF, "baselines"])  # pyright: ignore[reportUnsupportedDunderAll]
@@ -90,10 +98,17 @@ __all__ = sorted([*_MODULE_OF, "baselines"])  # pyright: ignore[reportUnsupporte
 
 def __getattr__(name: str) -> object:
     module_name = name if name in _MODULES else _MODULE_OF.get(name)
-    if module_name is None:
-        raise AttributeError(f"module 'adwave' has no attribute {name!r}")
     # Imported here, since `import adwave` should cost next to nothing.
     from importlib import import_module
+
+    if name in _RENAMED:
+        import_module(f"{__name__}._caller").warn(f"aw.{name} is now aw.{_RENAMED[name]}", DeprecationWarning)
+        return __getattr__(_RENAMED[name])
+    if module_name is None:
+        message = f"module 'adwave' has no attribute {name!r}"
+        if not name.startswith("_"):
+            message = import_module(f"{__name__}._unknown").unknown_attribute(name)
+        raise AttributeError(message)
 
     try:
         module = import_module(f"{__name__}.{module_name}")

@@ -54,7 +54,7 @@ from adwave._walk import ScatteringResult as ScatteringResult
 from adwave._walk import Walk as Walk
 from adwave._walk import from_edge_index as from_edge_index
 from adwave._walk import neighbors as neighbors
-from adwave._walk import points as points
+from adwave._walk import point_walk as point_walk
 from adwave._walk import scattering as scattering
 from adwave._walk import walk as walk
 from adwave._grid import Grid as Grid
@@ -137,7 +137,7 @@ __all__ = [
     "memory_needed",
     "morph",
     "neighbors",
-    "points",
+    "point_walk",
     "preset_gains",
     "rasterize",
     "read",

@@ -25,6 +25,7 @@ from ._adapt_arrays import (
     edges_of_lines,
     faces_arrays,
     field_array,
+    float_type,
     index_array,
     is_array,
     kind_of,
@@ -41,6 +42,7 @@ __all__ = [
     "can_hold_results",
     "depth",
     "graph_parts",
+    "has_nodes",
     "holds_fields",
     "is_path",
     "own_signal",
@@ -182,7 +184,7 @@ def with_results(
         What `parts_of` took: an object of another library, a pair (points, faces) or an array of points.
     points
         New positions, (n, 3); None keeps the old. PyVista, meshio and Open3D tensors keep their floating
-        type, so positions are rounded where that is float32; arrays come back as float64. What had no z has
+        type, and so do arrays, so positions are rounded where that is float32. What had no z has
         none again while z is 0. Normals that are stored are left out, because they belong to the old points.
     fields, face_fields
         Values per vertex and per face, (n,) or (n, c), to attach under their names. The field 'color' becomes
@@ -213,11 +215,12 @@ def with_results(
         points = old_points
     elif old_points.shape[1:] == (2,) and not points[:, 2:].any():
         points = points[:, :2]
+    points = np.array(points, dtype=float_type(old_points))
     if pair is None:
-        return np.array(points)
+        return points
     if faces is None and len(points) != len(old_points):
         raise ValueError(f"points: {len(points)} rows, but the faces are of {len(old_points)}; pass faces too")
-    return np.array(points), (pair[1] if faces is None else np.array(faces))
+    return points, (pair[1] if faces is None else np.array(faces))
 
 
 def can_hold_results(given: object) -> bool:
@@ -230,6 +233,11 @@ def can_hold_results(given: object) -> bool:
 def holds_fields(given: object) -> bool:
     """True if an object can store values at its vertices."""
     return library_of(given) is not None
+
+
+def has_nodes(given: object) -> bool:
+    """True if an object is a graph whose nodes have names."""
+    return library_of(given) == "networkx"
 
 
 def stores_normals(given: object) -> bool:
@@ -253,6 +261,8 @@ def _find(shape: object, faces: object) -> Found:
         raise TypeError(
             f"shape: an image of {library} is a grid; pass aw.grid(image), as in aw.smooth(aw.grid(image), fwhm=8)"
         )
+    elif faces is None and _is_group(shape):
+        found = _joined(shape)  # type: ignore[arg-type]
     elif faces is None and (pair := _pair_of(shape)) is not None:
         return Found("arrays", points=pair[0], faces=pair[1])
     elif _is_array_like(shape):
@@ -270,6 +280,32 @@ def _find(shape: object, faces: object) -> Found:
             raise TypeError(f"faces: {kind_of(shape)} has its own; pass its points alone to give them others")
         found.faces = faces
     return found
+
+
+def _is_group(shape: object) -> bool:
+    """True for two shapes or more, such as the hemispheres of a brain: meshes of other libraries, or pairs."""
+    if not isinstance(shape, (tuple, list)) or len(shape) < 2:
+        return False
+    return all(
+        library_of(each) in ("trimesh", "pyvista", "meshio", "nilearn", "open3d")
+        or (isinstance(each, tuple) and len(each) == 2 and depth(each[0]) == 2 and depth(each[1]) == 2)
+        for each in shape
+    )
+
+
+def _joined(shapes: Sequence[object]) -> Found:
+    """Meshes as one mesh of several components, one after the other."""
+    points, corners, n = [], [], 0
+    for each in shapes:
+        found = _find(each, None)
+        own = points_array(found.points)
+        triangles, offsets = faces_arrays(found.faces, len(own)) if found.faces is not None else (_no_indices(), None)
+        if offsets is not None or not triangles.size:
+            raise TypeError("shape: of several shapes each must be a mesh of triangles; pass them one by one")
+        points.append(own)
+        corners.append(triangles.reshape(-1, 3).astype(np.int64) + n)
+        n += len(own)
+    return Found("arrays", points=np.concatenate(points), faces=np.concatenate(corners))
 
 
 def _parts_from(found: Found) -> Parts:

@@ -49,6 +49,8 @@ def depth(x: Any) -> int:
 
 def array_of(x: Any, name: str) -> Array:
     """`x` as an array of real numbers of any type and order, without a copy if it is one."""
+    if hasattr(x, "toarray") and hasattr(x, "nnz"):  # a sparse matrix
+        x = x.toarray()
     if np.ma.is_masked(x):
         x = np.ma.filled(np.ma.asarray(x, np.float64), np.nan)
     is_foreign = not isinstance(x, np.ndarray)
@@ -76,6 +78,13 @@ def array_of(x: Any, name: str) -> Array:
             f"{name}: dtype {array.dtype} is not a type of real numbers; pass an array of integers or floats"
         )
     return array
+
+
+def float_type(signal: object) -> np.dtype[Any]:
+    """Number type of results: that of a signal of 16 or 32 bits, and float64 for all others."""
+    dtype: Any = getattr(signal, "dtype", None)
+    is_short = isinstance(dtype, np.dtype) and dtype.kind == "f" and dtype.itemsize < 8
+    return dtype.newbyteorder("=") if is_short else np.dtype(np.float64)
 
 
 def _refuse_uneven(x: Any, name: str) -> None:
@@ -132,7 +141,7 @@ def _points_hint(shape: tuple[int, ...], name: str) -> str:
         return (
             f"has {shape[1]} columns, but positions have 2 or 3: values at the vertices of a shape are a signal, "
             "aw.decompose(shape, values); samples with many features are the nodes of a graph, "
-            "aw.decompose(sklearn.neighbors.kneighbors_graph(X, 10), X); columns x, y, z and others are "
+            "aw.decompose(aw.point_walk(X, stay=0.5), X); columns x, y, z and others are "
             f"aw.decompose({name}[:, :3], {name}[:, 3:]); an image is aw.decompose(aw.grid({name}))"
         )
     if len(shape) == 3 and shape[2] in (3, 4) and min(shape[:2]) > 3:

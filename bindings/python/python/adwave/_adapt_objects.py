@@ -6,7 +6,6 @@ there as it is; `adwave._adapt` checks and converts it.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._adapt_arrays import Array, kind_of
+from ._caller import warn
 
 # The names under which further libraries keep vertices and faces: vedo, LaPy, psbody, PyMeshLab and others.
 _SHAPE_NAMES = (
@@ -37,6 +37,7 @@ _NEIGHBORS = {
     ("torch_geometric", "Data"),
     ("pygsp", "Graph"),
     ("laspy", "LasData"),
+    ("anndata", "AnnData"),
 }
 # Libraries with objects that are signals on shapes.
 SIGNALS = ("nilearn", "pyvista", "torch_geometric")
@@ -418,7 +419,7 @@ def warn_of_weights(found: Found) -> None:
         self_loops = "1 self-loop, which is" if n_loops == 1 else f"{n_loops} self-loops, which are"
         message = f"has {self_loops} not used (the diagonal); adwave.walk({matrix}, normalize='row') keeps loops"
     if message is not None:
-        warnings.warn(f"the {what} {message}", UserWarning, stacklevel=2)
+        warn(f"the {what} {message}")
 
 
 def axes_of(x: Any) -> list[Any]:
@@ -487,6 +488,17 @@ def _read_laspy(x: Any) -> Found:
     return Found("laspy", points=x.xyz, fields={name: np.asarray(x[name]) for name in names})
 
 
+def _read_anndata(x: Any) -> Found:
+    if "connectivities" not in x.obsp:
+        raise _refused(
+            x, "its cells have no neighbors: run scanpy.pp.neighbors on it, or pass aw.point_walk(coordinates)"
+        )
+    entries = x.obsp["connectivities"].tocoo()
+    found = Found("anndata", edges=(entries.row, entries.col, entries.data, False), n_vertices=int(x.n_obs))
+    found.fields = {str(name): x.obs[name].to_numpy() for name in x.obs.columns if x.obs[name].dtype.kind in "biuf"}
+    return found
+
+
 _READERS: dict[str, Callable[[Any], Found]] = {
     "trimesh": _read_trimesh,
     "pyvista": _read_pyvista,
@@ -501,4 +513,5 @@ _READERS: dict[str, Callable[[Any], Found]] = {
     "torch_geometric": _read_torch_geometric,
     "pygsp": _read_pygsp,
     "laspy": _read_laspy,
+    "anndata": _read_anndata,
 }

@@ -5,21 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Union, overload
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from adwave import _native
+from adwave._caller import public
 from adwave._deform import CloneOptions, CloneResult, Deformer
 from adwave._diffusion import PreparedShape
-from adwave._layout import Layout, region_weights
+from adwave._layout import Layout, float_type, region_weights
 from adwave._native import FWHM
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
-from adwave._unknown import refuse_unknown
+from adwave._unknown import refuse_unknown, unknown_member
 from adwave._viewer import bands_html
 
 if TYPE_CHECKING:
@@ -98,7 +99,8 @@ class Decomposer(PreparedShape):
 
     __slots__ = ()
 
-    def decompose(
+    @public()
+    def decompose(  # type: ignore[override]
         self,
         signal: SignalLike = None,
         *,
@@ -128,7 +130,7 @@ class Decomposer(PreparedShape):
         owner = self.for_levels(levels)
         values, layout = owner._signal_values(signal)
         request = BandsRequest(values, owner.schedule(levels), accuracy)
-        return split_signal(owner, request, layout, None, progress)
+        return split_signal(owner, request, layout, None, progress, float_type(signal))
 
     def deformer(
         self,
@@ -155,7 +157,10 @@ class Decomposer(PreparedShape):
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        return Deformer(self, handles, fixed=fixed, levels=levels, stiffness=stiffness, progress=progress)
+        return Deformer(self, fixed, handles, levels=levels, stiffness=stiffness, progress=progress)
+
+
+_DOUBLE: np.dtype[Any] = np.dtype(np.float64)
 
 
 @dataclass(frozen=True)
@@ -172,8 +177,9 @@ def split_signal(
     layout: Layout,
     selection: Selection | None = None,
     progress: ProgressLike = None,
+    dtype: np.dtype[Any] = _DOUBLE,
 ) -> Bands:
-    """The bands of a signal, channels that are NaN at the same vertices together."""
+    """The bands of a signal, channels that are NaN at the same vertices together, as numbers of a type."""
     info: dict[str, float] = {}
     with report_progress(progress, "splitting") as report:
 
@@ -187,9 +193,11 @@ def split_signal(
     raised = decomposer._data.raised_masses()
     if raised is not None:
         info["raised_masses"], info["added_mass"] = raised
-    return Bands._from_parts(decomposer, request, array, layout, info, selection)
+    return Bands._from_parts(decomposer, request, array, layout, info, selection, dtype)
 
 
+#: What can be joined with bands by an operator.
+Operand = Union[float, NDArray[np.floating[Any]], NDArray[np.integer[Any]], "Bands"]
 #: Public attributes of arrays, which `Bands` has too.
 _OF_ARRAYS = frozenset(name for name in dir(np.ndarray) if not name.startswith("_"))
 
@@ -221,6 +229,8 @@ class Bands(NDArrayOperatorsMixin):
     """
 
     _array: NDArray[np.float64]
+    _dtype: np.dtype[Any]
+    _shown: NDArray[Any] | None
     _editors: list[tuple[_native.EditorData, list[int]]] | None
     _is_plain: bool | None
     _layout: Layout
@@ -241,8 +251,10 @@ class Bands(NDArrayOperatorsMixin):
         layout: Layout,
         info: dict[str, float],
         selection: Selection | None,
+        dtype: np.dtype[Any] = _DOUBLE,
     ) -> Bands:
         bands = cls.__new__(cls)
+        bands._dtype, bands._shown = dtype, None
         # A copy, since the caller may change the array later.
         signal = None if request.signal is None else np.array(request.signal)
         bands._request = replace(request, signal=signal)
@@ -262,7 +274,10 @@ class Bands(NDArrayOperatorsMixin):
     @property
     def array(self) -> NDArray[np.float64]:
         """All bands as one read-only array: (J + 1) × the shape of the signal."""
-        return self._layout.arrange(self._array)
+        if self._shown is None:
+            self._shown = self._layout.arrange(self._array.astype(self._dtype, copy=False))
+            self._shown.setflags(write=False)
+        return self._shown
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -271,8 +286,8 @@ class Bands(NDArrayOperatorsMixin):
 
     @property
     def dtype(self) -> np.dtype[np.float64]:
-        """Type of the numbers, float64."""
-        return self._array.dtype
+        """Type of the numbers: that of a signal of 16 or 32 bits, and float64 otherwise."""
+        return self._dtype
 
     @property
     def ndim(self) -> int:
@@ -289,11 +304,39 @@ class Bands(NDArrayOperatorsMixin):
         """`array` with its axes in the reverse order, as a view."""
         return self.array.T
 
-    def mean(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Any:
+    if TYPE_CHECKING:
+        # What numpy's mixin gives, with its types.
+        def __add__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __radd__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __sub__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __rsub__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __mul__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __rmul__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __truediv__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __rtruediv__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __pow__(self, other: Operand, /) -> NDArray[np.float64]: ...
+        def __neg__(self) -> NDArray[np.float64]: ...
+        def __abs__(self) -> NDArray[np.float64]: ...
+        def __gt__(self, other: Operand, /) -> NDArray[np.bool_]: ...
+        def __ge__(self, other: Operand, /) -> NDArray[np.bool_]: ...
+        def __lt__(self, other: Operand, /) -> NDArray[np.bool_]: ...
+        def __le__(self, other: Operand, /) -> NDArray[np.bool_]: ...
+
+    @overload
+    def mean(self, axis: None = None) -> np.float64: ...
+    @overload
+    def mean(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[np.float64]: ...
+
+    def mean(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> np.float64 | NDArray[np.float64]:
         """Mean over an axis, as `numpy.mean`."""
         return self.array.mean(axis, **options)
 
-    def sum(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Any:
+    @overload
+    def sum(self, axis: None = None) -> np.float64: ...
+    @overload
+    def sum(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[np.float64]: ...
+
+    def sum(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> np.float64 | NDArray[np.float64]:
         """Sum over an axis, as `numpy.sum`; over axis 0 it is the signal."""
         return self.array.sum(axis, **options)
 
@@ -333,7 +376,7 @@ class Bands(NDArrayOperatorsMixin):
 
         The unit is hops on a graph. On a surface this is √2 times the standard deviation along one axis.
         """
-        return self.decomposer.rms_widths(self._request.steps)
+        return self.decomposer.measure_widths(self._request.steps)
 
     @property
     def fwhm(self) -> NDArray[np.float64]:
@@ -544,7 +587,7 @@ class Bands(NDArrayOperatorsMixin):
         else:
             target, edited = None, self._edit(layers)
         if out is None:
-            return self._layout.arrange(edited)
+            return self._layout.arrange(edited).astype(self._dtype, copy=False)
         if target is None:
             out[...] = self._layout.arrange(edited)
         return out
@@ -591,8 +634,8 @@ class Bands(NDArrayOperatorsMixin):
         return self._is_plain
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        if copy is False and dtype is not None and np.dtype(dtype) != np.float64:
-            raise ValueError("bands are float64; another type needs a copy")
+        if copy is False and dtype is not None and np.dtype(dtype) != self._dtype:
+            raise ValueError(f"bands are {self._dtype}; another type needs a copy")
         array = self.array if dtype is None else self.array.astype(dtype, copy=False)
         return array.copy() if copy else array
 
@@ -604,7 +647,7 @@ class Bands(NDArrayOperatorsMixin):
 
     def __getattr__(self, name: str) -> Any:
         if name not in _OF_ARRAYS:
-            raise AttributeError(f"'Bands' object has no attribute {name!r}")
+            raise AttributeError(unknown_member(Bands, name), name=name, obj=self)
         return getattr(self.array, name)
 
     def __len__(self) -> int:
@@ -616,7 +659,7 @@ class Bands(NDArrayOperatorsMixin):
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         return iter(self.array)
 
-    def __matmul__(self, other: Any) -> Any:
+    def __matmul__(self, other: Operand) -> NDArray[np.float64]:
         return self.array @ np.asarray(other)
 
     def __repr__(self) -> str:
@@ -635,7 +678,7 @@ class Bands(NDArrayOperatorsMixin):
         return f"<div>{escape(repr(self))}</div>{view}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return split_signal, (self.decomposer, self._request, self._part_layout, self._selection)
+        return split_signal, (self.decomposer, self._request, self._part_layout, self._selection, None, self._dtype)
 
 
 def _at_rows(weights: Any, rows: NDArray[np.intp]) -> Any:

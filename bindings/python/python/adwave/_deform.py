@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
+from adwave._caller import public, warn
 from adwave._layout import vertex_weights
 from adwave._options import Length, LevelsLike
 from adwave._progress import ProgressLike, report_progress
@@ -62,6 +63,19 @@ def _vertices(decomposer: BoundShape, region: RegionLike | None, name: str) -> l
     return np.flatnonzero(vertex_weights(region, decomposer.n_vertices, name) > 0).tolist()
 
 
+def _fixed_first(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Arguments of `Deformer` with what is fixed before the handles; the former order is taken with a warning."""
+    if len(arguments) == 3 and "handles" not in options:
+        warn(
+            "Deformer(decomposer, handles, fixed=…) is now Deformer(decomposer, fixed, handles), and will go in the next "
+            "release",
+            DeprecationWarning,
+        )
+        options = dict(options)
+        return (*arguments[:2], options.pop("fixed", None), arguments[2]), options
+    return arguments, options
+
+
 class Deformer:
     """A shape whose coarse base bends by handles while its detail rides along in turning frames.
 
@@ -90,12 +104,13 @@ class Deformer:
     #: Number of nodes, width of the base and bending length in model units, and parts without a handle with their vertices.
     info: dict[str, Any]
 
+    @public(_fixed_first)
     def __init__(
         self,
         decomposer: BoundShape,
+        fixed: RegionLike | None,
         handles: Sequence[RegionLike],
         *,
-        fixed: RegionLike | None = None,
         levels: LevelsLike = None,
         stiffness: Length | None = None,
         progress: ProgressLike = None,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from adwave import _native
+from adwave._caller import public
 from adwave._decomposer import Where, prepare_decomposer
 from adwave._layout import region_weights
 from adwave._options import Length, LevelsLike, OperatorLike
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 _TRANSFER = ("onto", "where", "width", "progress")
 
 
+@public()
 def transfer(
     shape: object,
     *,
@@ -81,10 +83,11 @@ def transfer(
     return target.moved(own._with_positions(points))
 
 
+@public(a="first", b="second", t="share")
 def morph(
-    a: object,
-    b: object,
-    t: float,
+    first: object,
+    second: object,
+    share: float,
     *,
     by_band: Sequence[float] | None = None,
     levels: LevelsLike = None,
@@ -97,12 +100,12 @@ def morph(
 
     Parameters
     ----------
-    a, b : shape_like
-        The shapes at ``t = 0`` and ``t = 1``; see `Shape`.
-    t : float
-        Share of `b` in the base, and in all bands without one in `by_band`. Shares beyond [0, 1] exaggerate.
+    first, second : shape_like
+        The shapes at the shares 0 and 1; see `Shape`.
+    share : float
+        Share of `second` in the base, and in all bands without one in `by_band`. Shares beyond [0, 1] exaggerate.
     by_band : sequence of float, optional
-        Shares of `b` in the bands, from the finest on.
+        Shares of `second` in the bands, from the finest on.
     levels : int, Widths, Steps or Octaves, optional
         By default until a level is 2 % of the diagonal wide.
     operator : str or Operator, optional
@@ -112,7 +115,7 @@ def morph(
 
     Returns
     -------
-    object like `a`
+    object like `first`
         With new positions.
 
     Raises
@@ -129,14 +132,14 @@ def morph(
     >>> rough_b.n_vertices == a.n_vertices
     True
     """
-    part = read_part("morph", a, {}, ())
-    first = prepare_decomposer(part.shape, operator, levels)
-    second = prepare_decomposer(read_part("morph", b, {}, ()).shape, operator, levels)
-    steps = first.schedule(levels)
-    given = [] if by_band is None else [float(share) for share in by_band]
+    part = read_part("morph", first, {}, ())
+    one = prepare_decomposer(part.shape, operator, levels)
+    other = prepare_decomposer(read_part("morph", second, {}, ()).shape, operator, levels)
+    steps = one.schedule(levels)
+    given = [] if by_band is None else [float(each) for each in by_band]
     if len(given) > len(steps):
         raise ValueError(f"by_band must have at most {len(steps)} shares, one per band, got {len(given)}")
-    shares = [*given, *[float(t)] * (len(steps) + 1 - len(given))]
+    shares = [*given, *[float(share)] * (len(steps) + 1 - len(given))]
     with report_progress(progress, "splitting") as report:
-        points = _native.morph(first._data, second._data, steps, shares, report)
+        points = _native.morph(one._data, other._data, steps, shares, report)
     return part.moved(part.shape._with_positions(points))

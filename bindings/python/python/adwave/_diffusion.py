@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -11,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._layout import Layout, coordinates, signal_values, without_unknown
+from adwave._caller import public, warn
+from adwave._layout import Layout, coordinates, float_type, region_weights, signal_values, without_unknown
+from adwave._methods import Carrier
 from adwave._options import (
     BandsRequest,
     Length,
@@ -28,6 +29,7 @@ from adwave._options import (
 from adwave._own_operator import GivenOperator, LaplacianLike
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
+from adwave._unknown import line_with
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -39,13 +41,14 @@ EXTENT = _native.EXTENT
 _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 
 
-class PreparedShape:
+class PreparedShape(Carrier):
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
     __slots__ = ("__weakref__", "_by_width", "_data", "_given_walk", "_last_masked", "_mask", "_options", "shape")
 
     shape: Shape
 
+    @public()
     def __init__(self, shape: object, *, operator: OperatorLike = None, progress: ProgressLike = None) -> None:
         self.shape = as_shape(shape)
         self._options: Operator = as_operator(operator)
@@ -268,27 +271,30 @@ class PreparedShape:
                 "aw.Decomposer(shape, operator='surface')"
             )
         steps = self._data.schedule(checked, extent)
-        widest = float(self.rms_widths(steps)[-1]) if isinstance(checked, Widths) else 0.0
+        widest = float(self.measure_widths(steps)[-1]) if isinstance(checked, Widths) else 0.0
         if 0 < self.extent < widest:
-            warnings.warn(
+            warn(
                 f"levels: an rms width of {widest:.4g} is larger than the shape, whose diagonal is {self.extent:.4g}, and "
-                "flattens it; give widths in the unit of the points, or in % of the diagonal, as in fwhm='2%'",
-                UserWarning,
-                stacklevel=3,
+                "flattens it; give widths in the unit of the points, or in % of the diagonal, as in fwhm='2%'"
             )
         return steps
 
-    def rms_widths(self, steps: Sequence[float]) -> NDArray[np.float64]:
+    def measure_widths(self, steps: Sequence[float]) -> NDArray[np.float64]:
         """Widths of levels of these numbers of steps: rms distance, in model units (hops on a graph)."""
         return np.array(self._data.sigma([float(n) for n in steps])[1:])
 
-    def region(self, region: str) -> NDArray[np.float64]:
+    def rms_widths(self, steps: Sequence[float]) -> NDArray[np.float64]:
+        """Former name of `measure_widths`."""
+        warn("Decomposer.rms_widths is now Decomposer.measure_widths", DeprecationWarning)
+        return self.measure_widths(steps)
+
+    def region(self, region: str | ArrayLike) -> NDArray[np.float64]:  # type: ignore[override]
         """Weights of a region, (n,), in [0, 1].
 
         Parameters
         ----------
-        region : str
-            A region as on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
+        region : str or array_like
+            A weight or flag for each vertex, indices of vertices, or a region as on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
             ``"ball:point=0 1 0,radius=0.2"``, ``"stroke:path=120 340 560,radius=2%"``,
             ``"box:min=0 0 0,max=1 1 1"``, ``"half-space:point=0 0 0,normal=0 1 0"``,
             ``"field:name=mask,low=0.5,high=1"``, ``"vertices:indices=1 2 3"``. The first four fall to 0 over
@@ -301,6 +307,8 @@ class PreparedShape:
         ValueError
             If the text is not a region of this shape.
         """
+        if not isinstance(region, str):
+            return region_weights(region, self.n_vertices, "region")
         return self._data.region(region)
 
     def combine_bands(
@@ -433,15 +441,17 @@ class PreparedShape:
             scaling, wavelets = _native.basis_matrices(self._data, levels, drop_tolerance, max_bytes, report)
         return [csr_array(rows) for rows in scaling], [csr_array(rows) for rows in wavelets]
 
-    def smooth(
+    @public()
+    def smooth(  # type: ignore[override]
         self,
-        signal: SignalLike,
+        signal: SignalLike = None,
         steps: float | None = None,
         *,
         rms: Length | None = None,
         fwhm: Length | None = None,
         lazy: bool = True,
         accuracy: float = _native.ACCURACY,
+        progress: ProgressLike = None,
     ) -> NDArray[np.float64]:
         """Smooth a signal: ``Φ₁^steps f``, for any number of steps from 1/64, or by a width.
 
@@ -450,8 +460,8 @@ class PreparedShape:
 
         Parameters
         ----------
-        signal : str or array_like
-            Signal as in `adwave.decompose`.
+        signal : str or array_like, optional
+            Signal as in `adwave.decompose`; the coordinates by default.
         steps : float, optional
             Number of steps, an integer or not.
         rms : float or str, optional
@@ -462,6 +472,8 @@ class PreparedShape:
             False for steps of the walk that always moves, ``Q^steps f``; see `matrix`. Steps must be whole.
         accuracy : float
             Largest error relative to the change.
+        progress : bool or callable, optional
+            ``True`` for a bar, or a function of (done, total).
 
         Returns
         -------
@@ -477,8 +489,8 @@ class PreparedShape:
         levels = smoothing_levels(steps, rms, fwhm)
         owner = self.for_levels(levels)
         if not lazy:
-            return owner._walk(signal, levels)
-        return owner._smooth(signal, owner.schedule(levels), accuracy)
+            return owner._walk(signal, levels).astype(float_type(signal), copy=False)
+        return owner._smooth(signal, owner.schedule(levels), accuracy, progress).astype(float_type(signal), copy=False)
 
     def _smooth(
         self, signal: SignalLike, steps: Sequence[float], accuracy: float, progress: ProgressLike = None
@@ -678,7 +690,10 @@ def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | Non
     given = {name: value for name, value in (("steps", steps), ("rms", rms), ("fwhm", fwhm)) if value is not None}
     if len(given) != 1:
         found = " and ".join(given) or "none"
-        raise ValueError(f'smooth takes one of fwhm=8, rms="2%" and steps=3, got {found}')
+        if given:
+            raise ValueError(f'smooth takes one of fwhm=8, rms="2%" and steps=3, got {found}; leave one out')
+        line = line_with("smooth", steps="3")
+        raise ValueError(f'smooth takes one of fwhm=8, rms="2%" and steps=3, got {found}{line}')
     if steps is not None:
         return Steps(check_steps([steps]))
     return Widths(rms=None if rms is None else [rms], fwhm=None if fwhm is None else [fwhm])

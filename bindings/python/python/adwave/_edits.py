@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union, overload
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from adwave import _native
+from adwave._caller import Call, public, warn
 from adwave._columns import channels_axis, map_columns
 from adwave._decomposer import (
     Bands,
@@ -22,30 +23,49 @@ from adwave._decomposer import (
     split_signal,
 )
 from adwave._diffusion import smoothing_levels
-from adwave._layout import Layout
+from adwave._layout import Layout, float_type
 from adwave._options import (
     BandsRequest,
     Constraints,
+    Float,
     Length,
     LevelsLike,
+    Numbers,
     Operator,
     OperatorLike,
     SignalLike,
     as_operator,
     levels_of,
 )
-from adwave._part import Part, default_signal, exact_operator, read_part
+from adwave._part import NoiseModel, Part, default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Shape
+from adwave._shape import Path, Shape
+from adwave._unknown import PRESETS, is_number, misfit, working_line
+from adwave._walk import Walk
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._part import PartOptions, PrecisionOptions, SignalOptions, SmoothOptions
+    import adwave
+    from adwave._part import (
+        DenoiseCall,
+        FilterCall,
+        FilterOptions,
+        PartOptions,
+        PrecisionOptions,
+        SignalOptions,
+        SmoothCall,
+        SmoothOptions,
+    )
 
 __all__ = ["DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"]
 
+#: A kind of object that results come back as.
+_Kind = TypeVar("_Kind")
+_Faces = TypeVar("_Faces")
 
+
+@public()
 def decompose(
     shape: object,
     signal: SignalLike = None,
@@ -87,7 +107,8 @@ def decompose(
     Returns
     -------
     Bands
-        An array of (levels + 1) × the shape of the signal, which can be changed band by band.
+        An array of (levels + 1) × the shape of the signal, which can be changed band by band, in the number type of a
+        signal of floats (float32 for float32).
 
     Raises
     ------
@@ -116,29 +137,62 @@ def decompose(
     >>> heights.shape
     (3, 2024)
     """
+    own = grid_method("decompose", shape, options)
+    if own is not None:
+        return own(signal, levels=levels, accuracy=accuracy, progress=progress, **options)
     part = read_part("decompose", shape, options, _DECOMPOSE, signal)
     levels = levels_of(levels, options)
-    signal = part.take_signal(default_signal(part.given, signal))
+    signal = part.take_signal(default_signal(part, signal))
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
     values, layout = decomposer._signal_values(signal)
     precision = options.get("precision") or "auto"
     request = BandsRequest(values, decomposer.schedule(levels), accuracy, precision=precision)
-    return split_signal(decomposer, request, layout, part.selection, progress)
+    return split_signal(decomposer, request, layout, part.selection, progress, float_type(signal))
 
 
+@overload
+def smooth(
+    shape: object, signal: NDArray[Float], steps: float | None = None, **options: Unpack[SmoothCall]
+) -> NDArray[Float]: ...
+@overload
+def smooth(
+    shape: object, signal: Numbers, steps: float | None = None, **options: Unpack[SmoothCall]
+) -> NDArray[np.float64]: ...
+@overload
+def smooth(
+    shape: adwave.Grid[_Kind], signal: None = None, steps: float | None = None, **options: Unpack[SmoothCall]
+) -> _Kind: ...
+@overload
+def smooth(
+    shape: Path | Decomposer | Walk,
+    signal: str | None = None,
+    steps: float | None = None,
+    **options: Unpack[SmoothCall],
+) -> Shape: ...
+@overload
+def smooth(
+    shape: tuple[NDArray[Float], _Faces], signal: None = None, steps: float | None = None, **options: Unpack[SmoothCall]
+) -> tuple[NDArray[Float], _Faces]: ...
+@overload
+def smooth(
+    shape: _Kind, signal: str | None = None, steps: float | None = None, **options: Unpack[SmoothCall]
+) -> _Kind: ...
+
+
+@public()
 def smooth(
     shape: object,
     signal: SignalLike = None,
+    steps: float | None = None,
     *,
     fwhm: Length | None = None,
     rms: Length | None = None,
-    steps: float | None = None,
     lazy: bool = True,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
     **options: Unpack[SmoothOptions],
-) -> Any:
+) -> object:
     """Smooth a signal on a shape, or the shape itself, by one width or number of steps: ``Φ₁^steps f``.
 
     Parameters
@@ -147,13 +201,13 @@ def smooth(
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     signal : str or array_like, optional
         As in `decompose`; the coordinates by default, which shrinks the shape (``aw.filter(shape, "smooth")`` does not).
+    steps : float, optional
+        Number of steps of the diffusion. Exactly one of the three is given.
     fwhm : float or str, optional
         Full width at half maximum, in model units or as a share of the diagonal such as ``"2%"``.
     rms : float or str, optional
         Root mean square distance that a value spreads to, in the same units; on a surface √2 times the standard deviation
         along one axis.
-    steps : float, optional
-        Number of steps of the diffusion. Exactly one of the three is given.
     lazy : bool
         The walk stays where it is half of the time, ``½(I + D⁻¹A)`` on a graph with weights A; False for whole steps of the
         walk that always moves, ``D⁻¹A``.
@@ -170,8 +224,8 @@ def smooth(
     Returns
     -------
     array like the signal, or an object like the shape
-        Numbers if numbers are given. Without a signal, or for the name of one, an object of the caller's kind: a `Shape`
-        for a `Shape` or a path, a trimesh for a trimesh.
+        Numbers if numbers are given, in the number type of a signal of floats (float32 for float32). Without a signal, or
+        for the name of one, an object of the caller's kind: a `Shape` for a `Shape` or a path, a trimesh for a trimesh.
 
     Raises
     ------
@@ -187,9 +241,22 @@ def smooth(
     >>> smooth.shape, bool(smooth.std() < f.std())
     ((2000,), True)
     """
+    if steps is not None and not is_number(steps) and np.ndim(steps):
+        raise TypeError(
+            misfit(smooth, (shape, signal, steps), {}, "smooth takes a number of steps third, got an array")
+        )
+    own = grid_method("smooth", shape, options)
+    if own is not None:
+        given = {"fwhm": fwhm, "rms": rms, "operator": operator}
+        given = {name: value for name, value in given.items() if value is not None}
+        return own(signal, steps, accuracy=accuracy, progress=progress, **given, **options)
+    if isinstance(shape, Walk) and steps is not None and fwhm is None and rms is None and not options and lazy:
+        powers = shape._powers(signal, steps, progress)
+        if powers is not None:
+            return powers
     part = read_part("smooth", shape, options, _SMOOTH, signal)
     levels = smoothing_levels(steps, rms, fwhm)
-    signal = default_signal(part.given, signal)
+    signal = default_signal(part, signal)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
     taken, schedule = part.take_signal(signal), decomposer.schedule(levels)
     _refuse_labels(signal, decomposer)
@@ -198,7 +265,7 @@ def smooth(
     else:
         values = decomposer._walk(taken, levels)
     if signal is not None and not isinstance(signal, str):
-        return part.spread(values, _layout_of(decomposer, taken))
+        return part.spread(values, _layout_of(decomposer, taken)).astype(float_type(signal), copy=False)
     return _with_named_signal(part, decomposer.shape, signal or "coords", values)
 
 
@@ -223,57 +290,60 @@ def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
 
 
 LocalFit = Literal["linear", "constant"]
-NoiseModel = Literal["gaussian", "poisson", "multiplicative", "rician", "shared"]
+
+
+def _gains_last(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Arguments of `filter` with the signal before the gains: gains alone change the coordinates."""
+    if len(arguments) != 2 or "gains" in options:
+        return arguments, options
+    if "signal" in options:
+        warn(
+            "filter(shape, gains, signal=f) is now filter(shape, f, gains), and will go in the next release",
+            DeprecationWarning,
+        )
+        options = dict(options)
+        return (arguments[0], options.pop("signal"), arguments[1]), options
+    return (arguments[0], None, arguments[1]), options
 
 
 @overload
 def filter(
-    shape: object,
-    gains: GainsLike,
-    *,
-    where: Where = ...,
-    signal: str | None = ...,
-    levels: LevelsLike = ...,
-    operator: OperatorLike = ...,
-    constraints: Constraints | None = ...,
-    local_fit: LocalFit | None = ...,
-    accuracy: float = ...,
-    progress: ProgressLike = ...,
-    **options: Unpack[PrecisionOptions],
-) -> Any: ...
-
-
+    shape: object, signal: NDArray[Float], gains: GainsLike, **options: Unpack[FilterCall]
+) -> NDArray[Float]: ...
+@overload
+def filter(shape: object, signal: Numbers, gains: GainsLike, **options: Unpack[FilterCall]) -> NDArray[np.float64]: ...
+@overload
+def filter(shape: adwave.Grid[_Kind], gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+@overload
+def filter(shape: Path | Decomposer | Walk, gains: GainsLike, /, **options: Unpack[FilterCall]) -> Shape: ...
 @overload
 def filter(
-    shape: object,
-    gains: GainsLike,
-    *,
-    where: Where = ...,
-    signal: NDArray[Any] | Sequence[float] | Sequence[Sequence[float]],
-    levels: LevelsLike = ...,
-    operator: OperatorLike = ...,
-    constraints: Constraints | None = ...,
-    local_fit: LocalFit | None = ...,
-    accuracy: float = ...,
-    progress: ProgressLike = ...,
-    **options: Unpack[PrecisionOptions],
-) -> NDArray[np.float64]: ...
+    shape: Path | Decomposer | Walk, signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]
+) -> Shape: ...
+@overload
+def filter(
+    shape: tuple[NDArray[Float], _Faces], gains: GainsLike, /, **options: Unpack[FilterCall]
+) -> tuple[NDArray[Float], _Faces]: ...
+@overload
+def filter(shape: _Kind, gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+@overload
+def filter(shape: _Kind, signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]) -> _Kind: ...
 
 
+@public(_gains_last)
 def filter(
     shape: object,
-    gains: GainsLike,
+    signal: SignalLike | GainsLike = None,
+    gains: GainsLike | None = None,
     *,
     where: Where = None,
-    signal: SignalLike = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
     local_fit: LocalFit | None = None,
-    accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
-    **options: Unpack[PrecisionOptions],
-) -> Any:
+    **options: Unpack[FilterOptions],
+) -> object:
     """Change the bands of a shape, or of a signal on it: smooth, enhance, keep or drop, everywhere or in a region.
 
     ``f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)``, where Γ is the product of the layers' gains (eq. 18).
@@ -282,6 +352,11 @@ def filter(
     ----------
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
+    signal : str or array_like, optional
+        What is changed; it may be left out, ``filter(shape, gains)``: ``'coords'`` (the default), ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the
+        vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there. An array of 16
+        and more channels that is mapped from a file (``np.load(path, mmap_mode="r")``) is read in groups of channels, and
+        the result is mapped from a temporary file.
     gains : sequence of float, str, or one or more Layer
         A gain for each band from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or a preset by its name:
         ``'smooth'`` (or ``'suppress'``) drops all bands but the last, which it doubles, so that limbs and volume are
@@ -290,11 +365,6 @@ def filter(
     where : str or (n,) array_like, optional
         A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), a weight for each vertex, or
         indices of vertices; everywhere by default.
-    signal : str or array_like, optional
-        What is changed: ``'coords'`` (the default), ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the
-        vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there. An array of 16
-        and more channels that is mapped from a file (``np.load(path, mmap_mode="r")``) is read in groups of channels, and
-        the result is mapped from a temporary file.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default one level for each gain.
     operator : str or Operator, optional
@@ -305,13 +375,11 @@ def filter(
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
         as in `decompose` and `Bands.apply`. By default linear, and constant on an image or a volume.
-    accuracy : float
-        As in `decompose`.
     progress : bool or callable, optional
         As in `decompose`.
     **options
         ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=``, ``steps=`` and, with
-        ``local_fit='constant'`` or coordinates, ``precision=`` as in `decompose`.
+        ``local_fit='constant'`` or coordinates, ``precision=`` and ``accuracy=`` as in `decompose`.
 
     Returns
     -------
@@ -330,15 +398,25 @@ def filter(
     >>> noisy = aw.sample("sphere", vertices=2000, noise=0.3)
     >>> smooth = aw.filter(noisy, "smooth", levels=4)
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
+    >>> heights = aw.filter(noisy, noisy.points[:, 2], [0, 1, 1])
     """
-    part = read_part("filter", shape, options, _FILTER, gains)
+    own = grid_method("filter", shape, options)
+    if own is not None:
+        given = {"local_fit": local_fit, "operator": operator, "constraints": constraints}
+        given = {name: value for name, value in given.items() if value is not None}
+        return own(signal, gains, where=where, levels=levels, progress=progress, **given, **options)
+    part = read_part("filter", shape, options, _FILTER, gains if signal is None else signal)
+    if gains is None:
+        line = working_line("filter", lambda call: None, 'aw.filter(shape, "smooth")')
+        raise TypeError(f"filter takes a gain for each band or the name of a preset, got none{line}")
     levels = levels_of(levels, options)
-    named = default_signal(part.given, signal)
+    named = default_signal(part, signal)
     precision = options.get("precision") or "auto"
+    accuracy = options.get("accuracy", _native.ACCURACY)
     moves = named is None or (isinstance(named, str) and named == "coords")
     if precision != "auto" and local_fit != "constant" and not moves:
         raise ValueError("precision: it applies to a signal with local_fit='constant'; leave it out")
-    _check_gains(gains, part.whole.n_vertices)
+    _check_gains(gains, part, signal is None)
     if constraints is not None:
         operator = _constrained_operator(part, constraints, named, operator)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
@@ -367,19 +445,38 @@ def filter(
             if isinstance(named, np.memmap) and axis is not None:
                 return map_columns(named, axis, len(steps) + 4, lambda group: edited(group)[0])
             found, layout = edited(named)
-        return part.spread(found, layout, named)
+        return part.spread(found, layout, named).astype(float_type(named), copy=False)
     settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy, precision)
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
 
-def _check_gains(gains: GainsLike, n_vertices: int) -> None:
-    """Raise TypeError if the gains look like a signal."""
+def _check_gains(gains: GainsLike, part: Part, is_alone: bool) -> None:
+    """Raise if the gains look like a signal, or are the name of no preset."""
     numbers: Any = gains
-    if not isinstance(gains, (str, Layer)) and np.ndim(numbers) and len(numbers) == n_vertices > 64:
-        raise TypeError(
-            f"gains: got {n_vertices} numbers, one for each vertex: is this the signal? It goes by keyword, "
-            'aw.filter(shape, "smooth", signal=f); aw.smooth(shape, f, fwhm=8) takes it second'
-        )
+    n_vertices = part.whole.n_vertices
+    if isinstance(gains, str):
+        try:
+            _native.preset_gains(gains, 1)
+            return
+        except ValueError as error:
+            message = str(error)
+        meant = next((ours for ours, names in PRESETS.items() if gains.lower() in names), "smooth")
+        is_field = is_alone and isinstance(part.whole, Shape) and gains in (*part.whole.fields, "x", "y", "z")
+
+        def change(call: Call) -> None:
+            texts = [*call.arguments]
+            call.arguments[:] = [
+                f'"{meant}"' if text.strip("'\"") == gains and not is_field else text for text in texts
+            ]
+            if is_field:
+                call.arguments.append('"smooth"')
+            if "gains" in call.keywords:
+                call.keywords["gains"] = f'"{meant}"'
+
+        raise ValueError(f"{message}{working_line('filter', change)}")
+    if not isinstance(gains, Layer) and np.ndim(numbers) and len(numbers) == n_vertices > 64:
+        line = working_line("filter", lambda call: call.arguments.append('"smooth"'), 'aw.filter(shape, f, "smooth")')
+        raise TypeError(f"gains: got {n_vertices} numbers, one for each vertex: is this the signal?{line}")
 
 
 def _constrained_operator(
@@ -466,6 +563,7 @@ def _refuse_labels(signal: SignalLike, decomposer: Decomposer) -> None:
         )
 
 
+@public()
 def filter_labels(
     shape: object,
     labels: SignalLike,
@@ -528,45 +626,72 @@ def _has_layers(gains: Any) -> bool:
     return isinstance(gains, Layer) or (len(gains) > 0 and all(isinstance(g, Layer) for g in gains))
 
 
-class DenoiseResult(NamedTuple):
-    """A shape or signal without noise, and the estimates that it is based on.
+if TYPE_CHECKING:
 
-    Attributes
-    ----------
-    result : object like the shape, or array
-        A `Shape` for a `Shape` or a path, a trimesh for a trimesh, a pair for a pair, and so on; an array like the signal if
-        numbers are given.
-    info : dict
-        ``noise``: the standard deviation of the noise, in model units of a shape and in the units of a signal. For a
-        shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
-        unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
-        creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
-        where those of a mesh stop, and the largest distance) and ``noise_map`` (the noise at each vertex, in model units: no
-        vertex moves farther than 3 times it, impulses aside). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
-        over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
-        where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
-        ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
-        ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
-        ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
-        that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the
-        distance of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in
-        9 of 10 generated clouds), ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan
-        lines) and ``two_surfaces`` (whether most neighborhoods seem to hold two, by ``residual_ratio``, the mean absolute
-        residual over the root mean square: 0.80 for noise on one). For a curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
-        ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to which each coordinate is
-        rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``, ``step_weights``
-        and ``risk`` (expected squared error before and after), for each group of ``channels``.
+    class DenoiseResult(NamedTuple, Generic[_Kind]):
+        """A shape or signal without noise, and the estimates that it is based on."""
 
-    Examples
-    --------
-    >>> import adwave as aw
-    >>> found = aw.denoise(aw.sample("sphere", vertices=500, noise=0.2))
-    >>> found.result.n_vertices, sorted(found.info)[:2]
-    (500, ['crease_weights', 'furthest'])
-    """
+        result: _Kind
+        info: dict[str, Any]
 
-    result: Any
-    info: dict[str, Any]
+        def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]: ...
+
+else:
+
+    class DenoiseResult(NamedTuple):
+        """A shape or signal without noise, and the estimates that it is based on.
+
+        Attributes
+        ----------
+        result : object like the shape, or array
+            A `Shape` for a `Shape` or a path, a trimesh for a trimesh, a pair for a pair, and so on; an array like the signal if
+            numbers are given. Its attributes are those of the `DenoiseResult` too: ``aw.denoise(mesh).vertices``.
+        info : dict
+            ``noise``: the standard deviation of the noise, in model units of a shape and in the units of a signal. For a
+            shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
+            unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
+            creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
+            where those of a mesh stop, and the largest distance) and ``noise_map`` (the noise at each vertex, in model units: no
+            vertex moves farther than 3 times it, impulses aside). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
+            over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
+            where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
+            ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
+            ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
+            ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
+            that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the
+            distance of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in
+            9 of 10 generated clouds), ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan
+            lines) and ``two_surfaces`` (whether most neighborhoods seem to hold two, by ``residual_ratio``, the mean
+            absolute residual over the root mean square: 0.80 for noise on one). For a curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
+            ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to which each coordinate is
+            rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``, ``step_weights``
+            and ``risk`` (expected squared error before and after), for each group of ``channels``.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> found = aw.denoise(aw.sample("sphere", vertices=500, noise=0.2))
+        >>> found.result.n_vertices, sorted(found.info)[:2]
+        (500, ['crease_weights', 'furthest'])
+        """
+
+        result: object
+        info: dict[str, Any]
+
+        def __getattr__(self, name: str) -> object:
+            # So that `denoise(mesh).vertices` is what `filter(mesh, "smooth").vertices` is.
+            if name.startswith("_"):
+                raise AttributeError(name)
+            try:
+                return getattr(self.result, name)
+            except AttributeError:
+                kind = type(self.result).__name__
+                raise AttributeError(
+                    f"DenoiseResult has result and info, and its result, a {kind}, no {name!r}"
+                ) from None
+
+        def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
+            return np.array(self.result, dtype=dtype)
 
 
 @dataclass(frozen=True)
@@ -582,6 +707,25 @@ class DenoiseOptions:
     shared_noise: Union[float, str] = "detail"
 
 
+@overload
+def denoise(shape: object, signal: NDArray[Float], **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[Float]]: ...
+@overload
+def denoise(shape: object, signal: Numbers, **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[np.float64]]: ...
+@overload
+def denoise(shape: adwave.Grid[_Kind], signal: None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
+@overload
+def denoise(
+    shape: Path | Decomposer | Walk, signal: str | None = None, **options: Unpack[DenoiseCall]
+) -> DenoiseResult[Shape]: ...
+@overload
+def denoise(
+    shape: tuple[NDArray[Float], _Faces], signal: None = None, **options: Unpack[DenoiseCall]
+) -> DenoiseResult[tuple[NDArray[Float], _Faces]]: ...
+@overload
+def denoise(shape: _Kind, signal: str | None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
+
+
+@public()
 def denoise(
     shape: object,
     signal: SignalLike = None,
@@ -594,7 +738,7 @@ def denoise(
     operator: OperatorLike = None,
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
-) -> DenoiseResult:
+) -> DenoiseResult[Any]:
     """Remove noise from a shape, or from a signal on it, without tuning.
 
     The amount of noise is estimated, and scaling functions of several widths, with and without steps across creases,
@@ -649,6 +793,11 @@ def denoise(
     >>> 0.1 < info["noise_in_edges"] < 0.5
     True
     """
+    own = grid_method("denoise", shape, options)
+    if own is not None:
+        given: dict[str, Any] = {} if operator is None else {"operator": operator}
+        given.update({} if creases == "auto" else {"creases": creases})
+        return own(signal, strength=strength, noise=noise, local_fit=local_fit, progress=progress, **given, **options)
     part = read_part("denoise", shape, options, _DENOISE, signal)
     noise_model, deviation = _noise_model(noise)
     shared: Union[float, str] = "detail"
@@ -656,7 +805,7 @@ def denoise(
         shared, deviation = "auto" if deviation is None else deviation, None
     model = "gaussian" if noise_model == "shared" else noise_model
     settings = DenoiseOptions(strength, creases, deviation, model, local_fit, outliers, shared)
-    signal = default_signal(part.given, signal)
+    signal = default_signal(part, signal)
     if signal is None:
         if noise_model not in ("gaussian", "shared"):
             raise ValueError(
@@ -689,7 +838,8 @@ def denoise(
     info = dict(found[0]) if len(found) == 1 else {"groups": found}
     if isinstance(signal, str):
         return DenoiseResult(_with_named_signal(part, decomposer.shape, signal, denoised), info)
-    return DenoiseResult(part.spread(layout.arrange(denoised), layout, signal), info)
+    found_values = part.spread(layout.arrange(denoised), layout, signal)
+    return DenoiseResult(found_values.astype(float_type(signal), copy=False), info)
 
 
 def _noise_model(noise: float | str | tuple[str, float] | None) -> tuple[str, float | None]:
@@ -726,7 +876,7 @@ def _only_weld(part: Part, operator: OperatorLike) -> bool | float:
 
 
 _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
-_SMOOTH = ("signal", "fwhm", "rms", "steps", "lazy", "operator", "accuracy", "progress")
-_FILTER = ("gains", "where", "signal", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
+_SMOOTH = ("signal", "steps", "fwhm", "rms", "lazy", "operator", "accuracy", "progress")
+_FILTER = ("signal", "gains", "where", "levels", "operator", "constraints", "local_fit", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
 _DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

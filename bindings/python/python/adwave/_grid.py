@@ -2,48 +2,54 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, Union, cast, overload
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._decomposer import Bands, Decomposer, GainsLike, Where
-from adwave._edits import DenoiseResult, LocalFit, denoise, filter
-from adwave._grid_layout import GridLayout, finite_grid, grid_axes, plain_array
-from adwave._grid_objects import FoundGrid, check_same_places, find_grid, results_like
-from adwave._layout import Layout, without_unknown
+from adwave._caller import Call, public, warn
+from adwave._decomposer import Bands, Decomposer, GainsLike, Layer, Where
+from adwave._edits import DenoiseResult, LocalFit, _gains_last, denoise, filter, filter_labels
+from adwave._grid_checks import (
+    cast_values,
+    check_flags,
+    check_spacings,
+    find_kept_places,
+    levels_by_sigma,
+    widths_of_sigma,
+)
+from adwave._grid_domain import GridDecomposer, Values
+from adwave._grid_layout import GridLayout, grid_axes, plain_array
+from adwave._grid_objects import find_grid, results_like
+from adwave._layout import Layout, float_type
 from adwave._measures import FeatureOptions, Features, Saliency, SaliencyOptions, Weighting, features, saliency
-from adwave._options import Length, LevelsLike, Operator, SignalLike, Steps, Widths, check_steps, levels_of
-from adwave._own_operator import GivenOperator
+from adwave._methods import Members
+from adwave._options import Length, LevelsLike, Numbers, Steps, Widths, check_steps
 from adwave._progress import ProgressLike
-from adwave._shape import Shape
-from adwave._unknown import refuse_unknown
+from adwave._unknown import line_with, working_line
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._options import LevelOptions
+    from adwave._options import Float, GridFilterCall, LevelOptions
 
 #: Kind of the results for the values of the grid itself.
 _Own = TypeVar("_Own")
 
-Values = NDArray[np.float64]
+
+def _gains_after_signal(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Arguments of `Grid.filter` with the signal before the gains; the former order is taken with a warning."""
+    if len(arguments) == 3 and isinstance(arguments[1], (str, list, tuple, Layer)) and np.ndim(arguments[2]) > 1:
+        warn("grid.filter(gains, f) is now grid.filter(f, gains), and will go in the next release", DeprecationWarning)
+        return (arguments[0], arguments[2], arguments[1]), options
+    return _gains_last(arguments, options)
 
 
-@dataclass(frozen=True)
-class _GridOptions:
-    """Sizes, spacings, borders and places with data, as the extension takes them."""
-
-    sizes: list[int]
-    spacing: list[float]
-    periodic: list[bool]
-    kept: Union[NDArray[np.bool_], None]
-
-
-class Grid(Generic[_Own]):
+class Grid(Members, Generic[_Own]):
     """An image or a volume with heat along its axes, as `adwave.grid` makes it.
 
     Every function that takes a `Decomposer` takes a grid in its place, as in ``aw.filter_labels(grid, labels, [0, 0])``.
@@ -76,9 +82,10 @@ class Grid(Generic[_Own]):
     spacing: tuple[float, ...]
     #: Whether each axis of the grid repeats.
     periodic: tuple[bool, ...]
-    #: Whether results have the number type of their signal.
+    #: Whether results have the number type of a signal of integers; they always have that of floats.
     keep_dtype: bool
 
+    @public()
     def __init__(
         self,
         array: object,
@@ -97,10 +104,10 @@ class Grid(Generic[_Own]):
         self._layout = GridLayout.for_axes(self._values.shape, grid_axes(self._values.shape, given))
         self._given, self._found = array, replace(found, values=None)
         own = tuple(found.spacing_of(axis) for axis in self._layout.axes)
-        self.spacing = own if spacing is None else _spacings(spacing, self._layout)
-        self.periodic = _flags(periodic, self._layout)
+        self.spacing = own if spacing is None else check_spacings(spacing, self._layout)
+        self.periodic = check_flags(periodic, self._layout)
         self.keep_dtype = bool(keep_dtype)
-        self._kept = None if mask is None else _kept_places(mask, found, self._layout)
+        self._kept = None if mask is None else find_kept_places(mask, found, self._layout)
         self._decomposer: GridDecomposer | None = None
 
     @property
@@ -114,9 +121,15 @@ class Grid(Generic[_Own]):
         return len(self._layout.sizes)
 
     @property
-    def n_places(self) -> int:
+    def n_vertices(self) -> int:
         """Number of places."""
         return self._layout.n_vertices
+
+    @property
+    def n_places(self) -> int:
+        """Former name of `n_vertices`."""
+        warn("Grid.n_places is now Grid.n_vertices", DeprecationWarning)
+        return self.n_vertices
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -145,6 +158,7 @@ class Grid(Generic[_Own]):
         """The grid as a domain, which functions of shapes take in its place."""
         return self.prepare()
 
+    @public()
     def decompose(
         self,
         signal: ArrayLike | None = None,
@@ -175,7 +189,7 @@ class Grid(Generic[_Own]):
         Returns
         -------
         Bands
-            An array of (levels + 1) × the shape of the signal, in 64 bits.
+            An array of (levels + 1) × the shape of the signal, in its number type if it has floats.
 
         Examples
         --------
@@ -185,7 +199,7 @@ class Grid(Generic[_Own]):
         >>> bands.shape, bool(abs(bands.sum(axis=0) - image).max() < 1e-12)
         ((4, 48, 64), True)
         """
-        wanted = _levels("decompose", levels, sigma, dict(options))
+        wanted = levels_by_sigma("decompose", levels, sigma, dict(options))
         return self.prepare().decompose(self._signal(signal), levels=wanted, accuracy=accuracy, progress=progress)
 
     @overload
@@ -214,6 +228,7 @@ class Grid(Generic[_Own]):
         progress: ProgressLike = None,
     ) -> Values: ...
 
+    @public()
     def smooth(
         self,
         signal: ArrayLike | None = None,
@@ -264,7 +279,7 @@ class Grid(Generic[_Own]):
                 raise ValueError(
                     "smooth takes one of fwhm=8, sigma=2 and steps=3, got sigma and another; leave one out"
                 )
-            levels: LevelsLike = _widths_of(sigma)
+            levels: LevelsLike = widths_of_sigma(sigma)
             if len(levels) != 1:
                 raise ValueError(
                     f"sigma: got {len(levels)} numbers, and one width holds for all axes in the unit of the spacing; pass "
@@ -274,9 +289,9 @@ class Grid(Generic[_Own]):
             given = {"steps": steps, "fwhm": fwhm, "rms": rms}
             names = [name for name, value in given.items() if value is not None]
             if len(names) != 1:
+                line = line_with("smooth", sigma="2") if not names else "; leave one out"
                 raise ValueError(
-                    f"smooth takes one of fwhm=8, sigma=2 and steps=3, got {' and '.join(names) or 'none'}, as in "
-                    "grid.smooth(fwhm=8.0)"
+                    f"smooth takes one of fwhm=8, sigma=2 and steps=3, got {' and '.join(names) or 'none'}{line}"
                 )
             levels = Steps(check_steps([steps])) if steps is not None else Widths(**{names[0]: [given[names[0]]]})  # type: ignore[dict-item]
         owner = self.prepare()
@@ -284,39 +299,22 @@ class Grid(Generic[_Own]):
         return self._result(values, signal)
 
     @overload
-    def filter(
-        self,
-        gains: GainsLike,
-        signal: None = None,
-        *,
-        where: Where = None,
-        levels: LevelsLike = None,
-        sigma: float | Sequence[float] | None = None,
-        local_fit: LocalFit = ...,
-        accuracy: float = ...,
-        progress: ProgressLike = None,
-        **options: Unpack[LevelOptions],
-    ) -> _Own: ...
+    def filter(self, gains: GainsLike, /, **options: Unpack[GridFilterCall]) -> _Own: ...
 
     @overload
-    def filter(
-        self,
-        gains: GainsLike,
-        signal: ArrayLike,
-        *,
-        where: Where = None,
-        levels: LevelsLike = None,
-        sigma: float | Sequence[float] | None = None,
-        local_fit: LocalFit = ...,
-        accuracy: float = ...,
-        progress: ProgressLike = None,
-        **options: Unpack[LevelOptions],
-    ) -> Values: ...
+    def filter(self, signal: None, gains: GainsLike, **options: Unpack[GridFilterCall]) -> _Own: ...
 
+    @overload
+    def filter(self, signal: NDArray[Float], gains: GainsLike, **options: Unpack[GridFilterCall]) -> NDArray[Float]: ...
+
+    @overload
+    def filter(self, signal: Numbers, gains: GainsLike, **options: Unpack[GridFilterCall]) -> Values: ...
+
+    @public(_gains_after_signal)
     def filter(
         self,
-        gains: GainsLike,
-        signal: ArrayLike | None = None,
+        signal: ArrayLike | GainsLike | None = None,
+        gains: GainsLike | None = None,
         *,
         where: Where = None,
         levels: LevelsLike = None,
@@ -325,15 +323,15 @@ class Grid(Generic[_Own]):
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
-    ) -> _Own | Values:
+    ) -> object:
         """Change the bands of a signal and sum them: smooth, enhance, keep or drop; see `adwave.filter`.
 
         Parameters
         ----------
+        signal : array_like, optional
+            As in `decompose`; it may be left out, ``grid.filter(gains)``.
         gains : sequence of float, str, or one or more Layer
             A gain for each band from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or a preset by its name.
-        signal : array_like, optional
-            As in `decompose`.
         where : str or array_like, optional
             A region in its text form, with points in the unit of the spacing from the first place
             (``"ball:point=10 20 0,radius=5"``), or a weight for each place, in the shape of the grid.
@@ -357,12 +355,15 @@ class Grid(Generic[_Own]):
         >>> bool((sharp[16:] == image[16:]).all())
         True
         """
-        wanted = _levels("filter", levels, sigma, dict(options))
+        wanted = levels_by_sigma("filter", levels, sigma, dict(options))
+        if gains is None:
+            line = working_line("filter", lambda call: None, 'grid.filter("smooth")')
+            raise TypeError(f"filter takes a gain for each band or the name of a preset, got none{line}")
         found: Any = filter(
             self.prepare(),
+            self._signal(signal),
             gains,
             where=where,
-            signal=self._signal(signal),  # type: ignore[arg-type]
             levels=wanted,
             local_fit=local_fit,
             accuracy=accuracy,
@@ -370,6 +371,7 @@ class Grid(Generic[_Own]):
         )
         return self._result(found, signal)
 
+    @public()
     def denoise(
         self,
         signal: ArrayLike | None = None,
@@ -381,7 +383,7 @@ class Grid(Generic[_Own]):
         | None = None,
         local_fit: LocalFit = "linear",
         progress: ProgressLike = None,
-    ) -> DenoiseResult:
+    ) -> DenoiseResult[Any]:
         """Remove noise whose amount is estimated, and keep steps; see `adwave.denoise`.
 
         Parameters
@@ -421,6 +423,7 @@ class Grid(Generic[_Own]):
         )
         return DenoiseResult(self._result(found.result, signal), found.info)
 
+    @public()
     def saliency(
         self,
         signal: ArrayLike | None = None,
@@ -457,7 +460,7 @@ class Grid(Generic[_Own]):
         >>> found.shape, np.unravel_index(found.argmax(), found.shape) == (12, 20)
         ((32, 32), True)
         """
-        wanted = _levels("saliency", levels, sigma, {})
+        wanted = levels_by_sigma("saliency", levels, sigma, {})
         return saliency(
             self.prepare(),
             self._signal(signal),
@@ -468,6 +471,7 @@ class Grid(Generic[_Own]):
             progress=progress,
         )
 
+    @public()
     def features(
         self,
         signal: ArrayLike | None = None,
@@ -511,7 +515,7 @@ class Grid(Generic[_Own]):
         >>> found["position"].tolist()
         [[20.0, 40.0, 0.0]]
         """
-        wanted = _levels("features", levels, sigma, {})
+        wanted = levels_by_sigma("features", levels, sigma, {})
         return features(
             self.prepare(),
             self._signal(signal),
@@ -523,8 +527,21 @@ class Grid(Generic[_Own]):
             progress=progress,
         )
 
-    def region(self, region: str) -> Values:
-        """Weights of a region in its text form, in the shape of the grid; see `Decomposer.region`.
+    def filter_labels(self, labels: ArrayLike, gains: GainsLike, **options: Any) -> Values:
+        """Change labels by filtering the share of each label; see `adwave.filter_labels`.
+
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> labels = np.zeros((5, 5))
+        >>> labels[2, 2] = 1
+        >>> float(aw.grid(labels).filter_labels(labels, [0, 0]).max())
+        0.0
+        """
+        return filter_labels(self.prepare(), labels, gains, **options)  # type: ignore[arg-type]
+
+    def region(self, region: str | ArrayLike) -> Values:
+        """Weights of a region, in the shape of the grid; see `Decomposer.region`.
 
         Points and lengths are in the unit of the spacing, from the first place.
 
@@ -542,16 +559,23 @@ class Grid(Generic[_Own]):
         if signal is None:
             return self._values
         if np.ndim(signal) == 0 and not isinstance(signal, str):
-            raise ValueError(
-                f"signal: {signal!r} is a single number; a width goes by name, grid.smooth(fwhm={signal!r}), and gains "
-                "come first, grid.filter([0, 1])"
-            )
+
+            def name_it(call: Call) -> None:
+                text = call.arguments.pop(1 if not call.is_method and len(call.arguments) > 1 else 0)
+                if call.name == "smooth":
+                    call.keywords["sigma"] = text
+
+            line = working_line(sys._getframe(1).f_code.co_name, name_it, f"grid.smooth(sigma={signal!r})")
+            raise ValueError(f"signal: {signal!r} is a single number; a width goes by name{line}")
         return signal
 
     def _result(self, values: Any, signal: Any) -> Any:
         """Values in the number type and the kind of object of their signal."""
+        given = self._original if signal is None else signal
         if self.keep_dtype:
-            values = _in_dtype(values, self._original if signal is None else np.ma.getdata(np.ma.asarray(signal)))
+            values = cast_values(values, np.ma.getdata(np.ma.asarray(given)))
+        else:
+            values = np.asarray(values).astype(float_type(given), copy=False)
         if signal is not None:
             return values
         return results_like(self._given, self._found.library, values)
@@ -570,8 +594,8 @@ class Grid(Generic[_Own]):
         for axes in (tuple(range(n)), own, tuple(range(len(shape) - n, len(shape)))):
             if len(shape) > max(axes) and min(axes) >= 0 and tuple(shape[axis] for axis in axes) == sizes:
                 return GridLayout.for_axes(shape, axes)
-        if shape and shape[0] == self.n_places:
-            return Layout(self.n_places, shape[1:])
+        if shape and shape[0] == self.n_vertices:
+            return Layout(self.n_vertices, shape[1:])
         wanted = f"{sizes}, or {(*sizes, 3)} with channels"
         turned = f"; pass {name}.T" if shape == sizes[::-1] else ""
         raise ValueError(f"{name}: shape {shape} does not fit the grid, {sizes}; give {wanted}{turned}")
@@ -627,6 +651,7 @@ def grid(
 ) -> Grid[_Own]: ...
 
 
+@public()
 def grid(
     array: object,
     spacing: float | Sequence[float] | None = None,
@@ -660,8 +685,8 @@ def grid(
         ``axes=(0, 1)`` for RGB of shape (rows, columns, 3), ``axes=(0, 1, 2)`` for a volume with times. Dimensions of a
         `DataArray` may be given by name.
     keep_dtype : bool
-        Results of `Grid.smooth`, `Grid.filter` and `Grid.denoise` in the number type of their signal, integers rounded; by
-        default in 64 bits.
+        Results of `Grid.smooth`, `Grid.filter` and `Grid.denoise` in the number type of a signal of integers too, rounded;
+        by default those of integers are in 64 bits, and those of floats in the type of the signal (float32 for float32).
 
     Returns
     -------
@@ -697,232 +722,3 @@ def grid(
     <adwave.Grid: 48 × 64 places, spacing 1 × 1, 3 channels>
     """
     return Grid(array, spacing, mask, periodic, axes=axes, keep_dtype=keep_dtype)
-
-
-class GridDecomposer(Decomposer):
-    """A `Decomposer` of a `Grid`: signals and results have the axes of the grid."""
-
-    __slots__ = ("_grid",)
-
-    _grid: Grid[Any]
-
-    def __init__(self, grid: Grid[Any]) -> None:
-        none = np.empty(0, dtype=np.uint32)
-        self._grid = grid
-        shape = _native.ShapeData.from_graph(grid.n_places, none, none, None, True)
-        self._options = Operator("surface")
-        options = _GridOptions(list(grid.shape), list(grid.spacing), list(grid.periodic), grid._kept)
-        self._data = _native.Prepared.from_grid(shape, options)
-        self._mask = self._given_walk = self._by_width = self._last_masked = None
-
-    @property
-    def shape(self) -> Shape:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Shape of a surface, which a grid has not: functions that need one say so."""
-        raise ValueError(
-            "shape: a grid has no surface, points or file; it goes to aw.decompose, smooth, filter, filter_labels, denoise, "
-            "saliency, features and region, and to the methods of aw.grid(…), such as grid.smooth(fwhm=8)"
-        )
-
-    @property
-    def operator(self) -> str:
-        """Kind of the diffusion operator."""
-        return "surface" if self._given_walk is None else super().operator
-
-    @property
-    def _sizes(self) -> tuple[int, ...]:
-        return self._grid.shape
-
-    def _own_signal(self) -> SignalLike:
-        return self._grid._values
-
-    def _outsiders(self) -> NDArray[np.bool_] | None:
-        return None if self._grid._kept is None else ~self._grid._kept
-
-    def _by_place(self) -> Layout:
-        return GridLayout.for_axes(self._grid.shape, tuple(range(self._grid.ndim)))
-
-    def _signal_values(self, signal: SignalLike) -> tuple[Values | None, Layout]:
-        if isinstance(signal, str):
-            raise ValueError(
-                f"signal: a grid has no named signals, got {signal!r}; give an array of shape {self._sizes}"
-            )
-        array = self._grid._values if signal is None else plain_array(signal, "signal")
-        layout = self._grid.layout_of(array.shape)
-        if layout.n_channels == 0:
-            raise ValueError(f"signal: shape {array.shape} has no channels")
-        is_grid = isinstance(layout, GridLayout)
-        own = (
-            layout if is_grid else GridLayout.for_axes((*self._sizes, *layout.channels), tuple(range(len(self._sizes))))
-        )
-        values = finite_grid(
-            array if is_grid else own.arrange(array.reshape(self.n_vertices, -1)), cast(GridLayout, own)
-        )
-        return values if isinstance(signal, np.ma.MaskedArray) else without_unknown(values), layout
-
-    def for_levels(self, levels: LevelsLike, *, analysis: bool = False) -> GridDecomposer:
-        """This grid: its operator suits all levels."""
-        return self
-
-    def region(self, region: str) -> Values:
-        """Weights of a region in its text form, in the shape of the grid; see `Decomposer.region`."""
-        return super().region(region).reshape(self._sizes)
-
-    def with_mask(self, mask: ArrayLike) -> GridDecomposer:
-        """Grid without some places: the diffusion goes around them, and their bands are NaN.
-
-        Parameters
-        ----------
-        mask : array of bool
-            True at places that are left out, in the shape of the grid.
-        """
-        given = np.asarray(mask)
-        if given.shape not in (self._sizes, (self.n_vertices,)):
-            raise ValueError(f"mask: shape {given.shape} is not that of the grid, {self._sizes}")
-        flags = np.ascontiguousarray(given, dtype=bool).reshape(-1)
-        return self._with_data(self._data.with_mask(flags), flags, self._given_walk)
-
-    def _with_given(self, given: Any) -> GridDecomposer:
-        data = given.prepare(self._data) if isinstance(given, GivenOperator) else self._data.with_walk(given._data)
-        other = self._with_data(data, None, given)
-        return other if self._mask is None else other.with_mask(self._mask)
-
-    def _with_data(self, data: _native.Prepared, mask: NDArray[np.bool_] | None, given: Any) -> GridDecomposer:
-        other = GridDecomposer.__new__(GridDecomposer)
-        other._grid, other._options, other._data, other._mask, other._given_walk = (
-            self._grid,
-            self._options,
-            data,
-            mask,
-            given,
-        )
-        other._by_width = other._last_masked = None
-        return other
-
-    def __repr__(self) -> str:
-        return f"<adwave.Decomposer: heat on {self._grid!r}>"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _restore_decomposer, (self._grid, self._mask, self._given_walk)
-
-
-def _restore_decomposer(grid: Grid[Any], mask: NDArray[np.bool_] | None, given: Any) -> Decomposer:
-    prepared: Decomposer = GridDecomposer(grid)
-    if given is not None:
-        prepared = prepared._with_given(given)
-    return prepared if mask is None else prepared.with_mask(mask)
-
-
-def _spacings(spacing: Any, layout: GridLayout) -> tuple[float, ...]:
-    n = len(layout.sizes)
-    example = f"aw.grid(array, spacing={tuple([1.0] * n) if n > 1 else 1.0})"
-    try:
-        given = np.asarray(spacing, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise TypeError(f"spacing must be a number or one for each axis, as in {example}, got {spacing!r}") from error
-    if given.dtype.kind != "f" or isinstance(spacing, (str, bool)) or given.ndim > 1:
-        raise TypeError(f"spacing must be a number or one for each axis, as in {example}, got {spacing!r}")
-    if given.ndim == 1 and len(given) != n:
-        raise ValueError(
-            f"spacing: got {len(given)} numbers, and the grid of shape {layout.sizes} has {n} axes; give one number, or one "
-            f"for each, as in {example}"
-        )
-    each = tuple(float(h) for h in np.broadcast_to(given, (n,)))
-    for axis, h in enumerate(each):
-        if not (np.isfinite(h) and h > 0):
-            raise ValueError(
-                f"spacing must be a finite number above 0 along each axis, as in {example}, got {h:g} along axis {axis}"
-            )
-    return each
-
-
-def _flags(periodic: Any, layout: GridLayout) -> tuple[bool, ...]:
-    n = len(layout.sizes)
-    example = f"aw.grid(array, periodic={tuple([False] * (n - 1) + [True]) if n > 1 else True})"
-    given = np.asarray(periodic)
-    if given.dtype.kind != "b" or given.ndim > 1:
-        raise TypeError(
-            f"periodic must be True or False, or one of them for each axis, as in {example}, got {periodic!r}"
-        )
-    if given.ndim == 1 and len(given) != n:
-        raise ValueError(
-            f"periodic: got {len(given)} flags, and the grid of shape {layout.sizes} has {n} axes; give one for each, as in "
-            f"{example}"
-        )
-    return tuple(bool(each) for each in np.broadcast_to(given, (n,)))
-
-
-def _kept_places(mask: Any, array: FoundGrid, layout: GridLayout) -> NDArray[np.bool_] | None:
-    """Flags of the places with data, in the order of the values."""
-    found = find_grid(mask, tuple(range(np.ndim(mask))) if hasattr(mask, "dims") else None)
-    check_same_places(array, found)
-    given = plain_array(found.values, "mask")
-    if given.shape != layout.sizes:
-        hint = ", or aw.grid(array, mask=mask.T)" if given.shape == layout.sizes[::-1] else ""
-        raise ValueError(
-            f"mask: shape {given.shape} is not that of the grid, {layout.sizes}; give one flag for each place, as in "
-            f"aw.grid(array, mask=np.isfinite(image)){hint}"
-        )
-    if given.dtype.kind == "f" and np.isnan(given).any():
-        raise ValueError(
-            "mask: has NaN; True or nonzero is a place with data: aw.grid(array, mask=np.nan_to_num(mask) > 0)"
-        )
-    kept = np.ascontiguousarray(given != 0).reshape(-1)
-    if not kept.any():
-        raise ValueError(
-            "mask: leaves out every place, and True or nonzero is a place with data; if True are places to leave out, "
-            "aw.grid(array, mask=~mask)"
-        )
-    return None if kept.all() else kept
-
-
-def _widths_of(sigma: Any) -> Widths:
-    """Levels of these standard deviations along one axis."""
-    try:
-        given = np.atleast_1d(np.asarray(sigma, dtype=np.float64))
-    except (TypeError, ValueError) as error:
-        raise TypeError(
-            f"sigma must be standard deviations in the unit of the spacing, as in sigma=2.0, got {sigma!r}; shares of the "
-            'diagonal go as fwhm="2%"'
-        ) from error
-    if not (given.size and np.isfinite(given).all() and (given > 0).all()):
-        raise ValueError(f"sigma must be above 0, as in sigma=2.0, got {sigma!r}")
-    return Widths(rms=[float(np.sqrt(2.0) * each) for each in given.ravel()])
-
-
-def _levels(function: str, levels: LevelsLike, sigma: Any, options: dict[str, Any]) -> LevelsLike:
-    """Levels, from their short forms too."""
-    if options:
-        refuse_unknown(function, options, ("signal", "levels", "sigma", "accuracy", "progress"), ("fwhm", "steps"))
-    if sigma is None:
-        return levels_of(levels, options)
-    if levels is not None or options:
-        raise ValueError("levels are given twice, by sigma and another; leave one out")
-    return _widths_of(sigma)
-
-
-def _in_dtype(values: NDArray[Any], like: NDArray[Any]) -> NDArray[Any]:
-    """Values in the number type of an array; integers are rounded, and places without a value keep theirs.
-
-    Raises
-    ------
-    ValueError
-        If a value does not fit into the type.
-    """
-    dtype = like.dtype
-    if dtype.kind == "f":
-        return values.astype(dtype)
-    if dtype.kind not in "iub":
-        return values
-    low, high = (0, 1) if dtype.kind == "b" else (np.iinfo(dtype).min, np.iinfo(dtype).max)
-    whole = np.rint(values)
-    unknown = np.isnan(whole)
-    outside = (whole < low) | (whole > high)
-    if outside.any():
-        value = float(whole[outside][0])
-        raise ValueError(
-            f"keep_dtype: the value {value:g} does not fit into {dtype}, {low} to {high}; leave keep_dtype out, and clip, "
-            f"as in np.clip(result, {low}, {high}).astype('{dtype}')"
-        )
-    if unknown.any():
-        return np.where(unknown, like, np.where(unknown, 0, whole).astype(dtype))
-    return whole.astype(dtype)

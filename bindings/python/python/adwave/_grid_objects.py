@@ -5,7 +5,6 @@ No library is imported before an object of it arrives; each is known by the modu
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from adwave._caller import warn
 from adwave._grid_layout import MAX_AXES, MAX_COLORS
 
 #: Largest difference between steps of a coordinate, relative to their mean: that of coordinates in 32 bits.
@@ -179,11 +179,9 @@ def _read_nibabel(given: Any, _: Any) -> FoundGrid:
         )
     cosines = np.abs((columns / lengths).T @ (columns / lengths) - np.eye(3)).max()
     if cosines > SHEARED:
-        warnings.warn(
+        warn(
             f"array: the affine of the image is sheared (cosine {cosines:.3g} between two axes); lengths are taken along the "
-            "columns of the affine: resample the image for exact ones",
-            UserWarning,
-            stacklevel=5,
+            "columns of the affine: resample the image for exact ones"
         )
     return FoundGrid(values, tuple(range(n)), [*map(float, lengths[:n]), *[None] * (values.ndim - n)], affine=affine)
 
@@ -238,11 +236,9 @@ def _read_rasterio(given: Any, _: Any) -> FoundGrid:
         float(np.hypot(transform.a, transform.d)),
     ]
     if getattr(given.crs, "is_geographic", False):
-        warnings.warn(
+        warn(
             "array: the raster is in degrees, which are shorter from east to west than from north to south; lengths are "
-            "degrees: reproject it for meters",
-            UserWarning,
-            stacklevel=5,
+            "degrees: reproject it for meters"
         )
     return FoundGrid(given.read(masked=True), (1, 2), spacing)
 

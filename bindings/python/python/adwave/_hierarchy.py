@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
+from adwave._caller import public
 from adwave._layout import Layout, signal_values
 from adwave._part import read_part
 from adwave._progress import ProgressLike, report_progress
@@ -329,6 +330,7 @@ class Hierarchy:
         return level
 
 
+@public()
 def hierarchy(
     shape: object,
     *,
@@ -383,6 +385,7 @@ def hierarchy(
         return Hierarchy(own, kind, _surface(areas, own.n_vertices), report)
 
 
+@public()
 def subdivide(shape: object, levels: int = 1) -> Shape:
     """A mesh of triangles, each cut into four at the midpoints of its edges.
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._walk import Walk, points
+from adwave._caller import public
+from adwave._walk import Walk, as_walk, point_walk
 from adwave._walk import walk as make_walk
 
 #: Genes that are processed together.
@@ -50,7 +51,7 @@ class Imputation:
     Examples
     --------
     >>> import adwave as aw
-    >>> aw.impute([[2.0], [4.0]], aw.walk([[0.5, 0.5], [0.5, 0.5]]), t=1).values
+    >>> aw.impute([[2.0], [4.0]], aw.walk([[0.5, 0.5], [0.5, 0.5]]), steps=1).values
     array([[3.],
            [3.]])
     """
@@ -73,11 +74,12 @@ class Imputation:
     error_bound: float = 0.0
 
 
+@public(t="steps", X="counts")
 def impute(
-    X: Any,
-    walk: Walk | None = None,
+    counts: Any,
+    walk: object = None,
+    steps: float | Literal["auto"] = "auto",
     *,
-    t: float | Literal["auto"] = "auto",
     genes: Sequence[int] | Sequence[str] | None = None,
     layer: str | None = None,
     library_size: float | Literal["median"] | None = None,
@@ -85,7 +87,7 @@ def impute(
     seed: int = 0,
     precision: Literal["auto", "single", "double"] = "double",
 ) -> Imputation:
-    """Average counts over similar cells, ``Pᵗ X``, for a time t that is chosen by molecular cross-validation.
+    """Average counts over similar cells, ``Pᵗ X``, for a number of steps t chosen by molecular cross-validation.
 
     Diffusion for too long removes the differences between cells: look at `Imputation.errors`, which should have their
     least value inside. A graph that was made from the same counts knows the molecules that are held back, so that the
@@ -93,13 +95,13 @@ def impute(
 
     Parameters
     ----------
-    X : (cells, genes) array, sparse matrix or AnnData
+    counts : (cells, genes) array, sparse matrix or AnnData
         Raw counts, finite. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
-    walk : Walk, optional
-        The walk. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
+    walk : Walk or graph, optional
+        The walk, or anything that `adwave.walk` takes. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
         other counts that of the nearest neighbors in their first principal components.
-    t : float or 'auto'
-        Number of steps. ``"auto"`` holds back a tenth of the molecules and takes the time that predicts them best, which
+    steps : float or 'auto'
+        Number of steps t. ``"auto"`` holds back a tenth of the molecules and takes the time that predicts them best, which
         needs raw counts. Fractional steps need a walk that stays half of the time.
     genes : sequence of int or str, optional
         Columns of the result, by number or (of an AnnData) by name; all by default.
@@ -120,23 +122,26 @@ def impute(
     >>> import adwave as aw, numpy as np
     >>> ring = aw.walk(np.roll(np.eye(30), 1, 1) + np.roll(np.eye(30), -1, 1), normalize="row", self_loops=1)
     >>> counts = np.random.default_rng(0).poisson(5.0, (30, 4))
-    >>> found = aw.impute(counts, ring, t=3)
+    >>> found = aw.impute(counts, ring, steps=3)
     >>> bool(abs(found.values - np.linalg.matrix_power(ring.matrix().toarray(), 3) @ counts).max() < 1e-12)
     True
     """
     notes: list[str] = []
-    counts, names = _matrix(X, layer)
+    given = counts
+    counts, names = _matrix(given, layer)
     is_own_graph = False
     if walk is None:
-        walk, is_own_graph = _default_walk(X, counts, notes)
+        own, is_own_graph = _default_walk(given, counts, notes)
+    else:
+        own = as_walk(walk)
     n, n_genes = counts.shape
-    if n != walk.n_nodes:
+    if n != own.n_vertices:
         hint = (
             "; it has a column per node, so it seems to be genes × cells: transpose it"
-            if n_genes == walk.n_nodes
+            if n_genes == own.n_vertices
             else ""
         )
-        raise ValueError(f"X must have one row for each of {walk.n_nodes} nodes, got shape {counts.shape}{hint}")
+        raise ValueError(f"counts must have one row for each of {own.n_vertices} nodes, got shape {counts.shape}{hint}")
     chosen = _columns(genes, names, n_genes)
     size = None
     totals = np.zeros(n)
@@ -151,24 +156,26 @@ def impute(
         if not size > 0 or not np.isfinite(size):
             raise ValueError(f"library_size must be greater than 0, got {library_size}")
     errors = np.empty(0)
-    if t == "auto":
+    if steps == "auto":
         molecules = _sparse(counts)
         # A graph of all molecules knows those that are held back, and the least error would be found too early.
-        judge = _walk_of_train(molecules, int(seed)) if is_own_graph else walk
+        judge = _walk_of_train(molecules, int(seed)) if is_own_graph else own
         if not is_own_graph:
             notes.append("time by the given graph: too short if the graph was made from these counts")
-        steps, found, _, is_at_limit = judge._data.cross_validate(molecules, _Split(SHARE, size, int(seed), MOST_STEPS))
+        chosen_steps, found, _, is_at_limit = judge._data.cross_validate(
+            molecules, _Split(SHARE, size, int(seed), MOST_STEPS)
+        )
         errors = np.array(found)
-        t = float(steps)
+        steps = float(chosen_steps)
         if is_at_limit:
             notes.append(f"the error still falls at {MOST_STEPS} steps, the most that were tried")
     values = np.empty((n, len(chosen)))
-    accuracy = ("double", 0.0)
+    accuracy: tuple[str, float] = ("double", 0.0)
     for place, block in _blocks(counts, chosen):
         if size is not None:
             block *= np.divide(size, totals, out=np.ones(n), where=totals > 0)[:, None]
-        values[:, place], accuracy = walk._data.impute(block, float(t), square_root, precision)
-    return Imputation(values, float(t), errors, chosen, walk, tuple(notes), *accuracy)
+        values[:, place], accuracy = own._data.impute(block, float(steps), square_root, precision)
+    return Imputation(values, float(steps), errors, chosen, own, tuple(notes), accuracy[0], accuracy[1])
 
 
 def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
@@ -176,7 +183,7 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
     is_annotated = all(hasattr(X, name) for name in ("X", "layers", "obsm", "var_names"))
     if not is_annotated:
         if layer is not None:
-            raise ValueError("layer applies to an AnnData, and X is a matrix")
+            raise ValueError("layer applies to an AnnData, and these counts are a matrix")
         counts: Any = X if hasattr(X, "tocsc") else np.asarray(X)
         names = None
     else:
@@ -184,7 +191,7 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
             raise ValueError(f"the AnnData has no layer {layer!r}; it has {sorted(X.layers)}")
         counts, names = X.X if layer is None else X.layers[layer], [str(name) for name in X.var_names]
     if len(counts.shape) != 2:
-        raise ValueError(f"X must be cells × genes, got shape {counts.shape}")
+        raise ValueError(f"counts must be cells × genes, got shape {counts.shape}")
     if hasattr(counts, "tocsc"):
         counts = counts.tocsc()
     _check_counts(counts, None)
@@ -198,7 +205,7 @@ def _walk_of_train(counts: _Counts, seed: int) -> Walk:
     train = _native.split_molecules(counts, SHARE, seed)
     shape = (len(counts.offsets) - 1, counts.n_channels)
     rows = csr_array((train, counts.columns.astype(np.int64), counts.offsets), shape=shape)
-    return points(principal_components(rows, N_COMPONENTS))
+    return point_walk(principal_components(rows, N_COMPONENTS))
 
 
 def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
@@ -209,9 +216,9 @@ def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
         return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0), False
     if "X_pca" in coordinates:
         notes.append("walk to the 15 nearest neighbors in obsm['X_pca']")
-        return points(coordinates["X_pca"]), False
+        return point_walk(coordinates["X_pca"]), False
     notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
-    return points(principal_components(counts, N_COMPONENTS)), True
+    return point_walk(principal_components(counts, N_COMPONENTS)), True
 
 
 def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
@@ -248,7 +255,7 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     except (ArpackError, np.linalg.LinAlgError) as error:
         raise ValueError(
             f"the {n_components} principal components of the counts were not found ({error}); give a walk, as "
-            "adwave.impute(X, adwave.points(coordinates))"
+            "adwave.impute(counts, adwave.point_walk(coordinates))"
         ) from error
     # Rounding would tell equal cells apart, and the scale of a kernel would be that of rounding.
     return np.ascontiguousarray((left * sizes)[first, ::-1])  # type: ignore[operator]
@@ -279,7 +286,7 @@ def _check_counts(counts: Any, use: str | None) -> None:
     """Refuses values that are not finite, and negative ones for a use that needs counts."""
     values = counts.data if hasattr(counts, "tocsr") else counts
     if values.dtype.kind not in "biuf":
-        raise TypeError(f"X must hold numbers, got an array of type {values.dtype}")
+        raise TypeError(f"counts must hold numbers, got an array of type {values.dtype}")
     is_bad = ~np.isfinite(values) if use is None else values < 0
     if not is_bad.any():
         return
@@ -292,11 +299,11 @@ def _check_counts(counts: Any, use: str | None) -> None:
         value = counts[cell, gene]
     if use is None:
         raise ValueError(
-            f"X must be finite, got {value} in cell {cell}, gene {gene} (from 0); replace it, or leave the cell or gene out"
+            f"counts must be finite, got {value} in cell {cell}, gene {gene} (from 0); replace it, or leave the cell or gene out"
         )
     raise ValueError(
-        f"X must be counts of at least 0 for {use}, got {value} in cell {cell}, gene {gene} (from 0); give raw counts"
-        + ("" if use.startswith("library") else ", or a walk and t")
+        f"counts must be numbers of at least 0 for {use}, got {value} in cell {cell}, gene {gene} (from 0); give raw counts"
+        + ("" if use.startswith("library") else ", or a walk and steps")
     )
 
 

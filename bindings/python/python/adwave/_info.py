@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
+from adwave._caller import Call, public
 from adwave._decomposer import Where, prepare_decomposer
 from adwave._layout import Layout, region_weights
 from adwave._options import Length, OperatorLike, check_levels
 from adwave._part import exact_operator, read_part
 from adwave._shape import Path
+from adwave._unknown import working_line
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -69,6 +71,7 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
+@public()
 def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[SmoothOptions]) -> Info:
     """Facts about a shape: what it consists of, what is unusual about it, and how its diffusion is built.
 
@@ -101,6 +104,7 @@ def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[Smoo
     return Info({"kind": own.kind, "format": own.format, "fields": list(own.fields), **decomposer._data.facts()})
 
 
+@public()
 def region(
     shape: object, region: Where, *, blur: Length | None = None, **options: Unpack[PartOptions]
 ) -> NDArray[np.float64]:
@@ -142,7 +146,17 @@ def region(
         own, text = part.shape.with_field(_REGION, weights), f"field:name={_REGION},low=0,high=1"
     if blur is not None:
         text = f"blurred:by={blur}({text})"
-    found = prepare_decomposer(own).region(text)
+    try:
+        found = prepare_decomposer(own).region(text)
+    except ValueError as error:
+        if "there is no region" not in str(error):
+            raise
+        example = '"ball:vertex=0,radius=10%"'
+
+        def change(call: Call) -> None:
+            call.arguments[-1] = example
+
+        raise ValueError(f"{error}{working_line('region', change, f'aw.region(shape, {example})')}") from None
     if part.selection is None:
         return found
     return part.spread(found, Layout(len(found)), np.zeros(part.whole_shape.n_vertices))
@@ -152,6 +166,7 @@ def region(
 _REGION = "_region"
 
 
+@public()
 def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[np.float64]:
     """A signal by its name, as values at the vertices.
 
@@ -213,6 +228,7 @@ def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
     return np.array(_native.preset_gains(preset, checked))
 
 
+@public()
 def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[str, int]:
     """Bytes that `decompose` needs beyond the prepared shape.
 
@@ -240,6 +256,7 @@ def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[
     return {"work": work, "result": result}
 
 
+@public()
 def report(shape: object, path: Path) -> None:
     """Write a page about a shape: health, bands, saliency, features and presets, as pictures and tables.
 

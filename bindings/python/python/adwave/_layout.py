@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._adapt_arrays import Array, Floats, array_of, finite_values, values_array
+from adwave._adapt_arrays import Array, Floats, array_of, finite_values, float_type, values_array
+from adwave._caller import warn
+
+__all__ = [
+    "Layout",
+    "coordinates",
+    "float_type",
+    "region_weights",
+    "signal_values",
+    "vertex_weights",
+    "without_unknown",
+]
 
 
 @dataclass(frozen=True)
@@ -98,7 +108,7 @@ def without_unknown(values: Floats, name: str = "the signal") -> Floats:
         return values
     known, text = found
     advice = "numpy.ma.masked_array(values, False) takes them as numbers"
-    warnings.warn(f"{text}; {advice}", UserWarning, stacklevel=5)
+    warn(f"{text}; {advice}")
     return known
 
 

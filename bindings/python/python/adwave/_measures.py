@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._decomposer import prepare_decomposer
 from adwave._diffusion import EXTENT
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, levels_of
-from adwave._part import default_signal, exact_operator, read_part
+from adwave._part import default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
 
 if TYPE_CHECKING:
@@ -122,6 +123,7 @@ class SaliencyOptions:
     per_level: bool = False
 
 
+@public()
 def saliency(
     shape: object,
     signal: SignalLike = None,
@@ -176,13 +178,25 @@ def saliency(
     >>> found.map.shape, found.sides.split(",")[0]
     ((2024,), '+ convex')
     """
+    own = grid_method("saliency", shape, selection)
+    if own is not None:
+        given: dict[str, Any] = {} if operator is None else {"operator": operator}
+        return own(
+            signal,
+            weighting=weighting,
+            options=options,
+            levels=levels_of(levels, selection),
+            accuracy=accuracy,
+            progress=progress,
+            **given,
+        )
     options = options or SaliencyOptions()
     part = read_part("saliency", shape, selection, _SALIENCY, signal)
     levels = levels_of(levels, selection)
     decomposer = prepare_decomposer(
         part.part, exact_operator(operator, selection), levels, analysis=weighting == "signed"
     )
-    signal = part.take_signal(default_signal(part.given, signal))
+    signal = part.take_signal(default_signal(part, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
     owner, values, _ = decomposer._resolve_signal(signal)
     request = BandsRequest(values, steps, owner._data.analysis_accuracy() if accuracy is None else accuracy)
@@ -286,6 +300,7 @@ class FeatureThreshold:
     best: Union[int, None]
 
 
+@public()
 def features(
     shape: object,
     signal: SignalLike = None,
@@ -347,11 +362,24 @@ def features(
     >>> len(found), found["position"].shape
     (2, (2, 3))
     """
+    own = grid_method("features", shape, selection)
+    if own is not None:
+        given: dict[str, Any] = {} if operator is None else {"operator": operator}
+        return own(
+            signal,
+            theta=theta,
+            best=best,
+            options=options,
+            levels=levels_of(levels, selection),
+            accuracy=accuracy,
+            progress=progress,
+            **given,
+        )
     options = options or FeatureOptions()
     part = read_part("features", shape, selection, _FEATURES, signal)
     levels = levels_of(levels, selection)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels, analysis=True)
-    signal = part.take_signal(default_signal(part.given, signal))
+    signal = part.take_signal(default_signal(part, signal))
     steps = decomposer.schedule(levels, extent=decomposer._data.feature_extent())
     owner, values, _ = decomposer._resolve_signal(signal)
     request = BandsRequest(values, steps, owner._data.analysis_accuracy() if accuracy is None else accuracy)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Literal, TypedDict, Union
+from typing import Any, Literal, Protocol, TypedDict, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,25 @@ SignalLike = Union[str, ArrayLike, None]
 """A signal: None for the coordinates, the name of a signal, or an (n,) or (n, channels) array."""
 
 OperatorKind = Literal["walk", "surface"]
+
+#: Number type of signals that results keep.
+Float = TypeVar("Float", np.float16, np.float32, np.float64)
+
+
+class HasArray(Protocol):
+    """Data frames, series, tensors and other objects that become arrays."""
+
+    def __array__(self) -> NDArray[Any]: ...
+
+
+Numbers = Union[
+    NDArray[np.integer[Any]],
+    NDArray[np.bool_],
+    Sequence[float],
+    Sequence[Sequence[float]],
+    Sequence[Sequence[Sequence[float]]],
+]
+"""A signal of numbers whose results are in 64 bits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,6 +145,17 @@ class LevelOptions(TypedDict, total=False):
 
     fwhm: Union[Length, Sequence[Length]]
     steps: Union[float, Sequence[float]]
+
+
+class GridFilterCall(LevelOptions, total=False):
+    """All keywords of `Grid.filter`, for type checkers."""
+
+    where: Union[str, ArrayLike, None]
+    levels: Union[int, Widths, Steps, Octaves, None]
+    sigma: Union[float, Sequence[float], None]
+    local_fit: Literal["linear", "constant"]
+    accuracy: float
+    progress: Union[bool, Callable[[int, int], object], None]
 
 
 LevelsLike = Union[int, Widths, Steps, Octaves, None]

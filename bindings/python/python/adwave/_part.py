@@ -7,7 +7,7 @@ pair for a pair, and a `Shape` for a `Shape`, a path or a `Decomposer`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict, Union
 
@@ -15,11 +15,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt
+from adwave._caller import Call
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
+from adwave._grid_objects import library_of_grid
 from adwave._layout import Layout, region_weights, signal_values
-from adwave._options import LevelOptions, OperatorLike, SignalLike, as_operator
+from adwave._options import Constraints, Length, LevelOptions, LevelsLike, OperatorLike, SignalLike, as_operator
+from adwave._progress import ProgressLike
 from adwave._shape import Conditions, Path, Shape, as_shape
-from adwave._unknown import refuse_unknown
+from adwave._unknown import (
+    NEIGHBOR_NAMES,
+    SURPLUS,
+    is_number,
+    is_square,
+    known_options,
+    looks_like_faces,
+    refuse_unknown,
+    rename_keyword,
+    working_line,
+    wrap_grid,
+)
 
 
 class PartOptions(TypedDict, total=False):
@@ -69,6 +83,55 @@ class PrecisionOptions(SignalOptions, total=False):
     precision: Literal["auto", "single", "double"]
 
 
+class FilterOptions(PrecisionOptions, total=False):
+    """Further options of `filter`.
+
+    Parameters
+    ----------
+    accuracy : float
+        Largest error of a band relative to the band.
+    """
+
+    accuracy: float
+
+
+class SmoothCall(SmoothOptions, total=False):
+    """All keywords of `smooth`, for type checkers."""
+
+    fwhm: Union[Length, None]
+    rms: Union[Length, None]
+    lazy: bool
+    operator: OperatorLike
+    accuracy: float
+    progress: ProgressLike
+
+
+class FilterCall(FilterOptions, total=False):
+    """All keywords of `filter`, for type checkers."""
+
+    where: Where
+    levels: LevelsLike
+    operator: OperatorLike
+    constraints: Union[Constraints, None]
+    local_fit: Union[Literal["linear", "constant"], None]
+    progress: ProgressLike
+
+
+NoiseModel = Literal["gaussian", "poisson", "multiplicative", "rician", "shared"]
+
+
+class DenoiseCall(PartOptions, total=False):
+    """All keywords of `denoise`, for type checkers."""
+
+    strength: float
+    creases: Literal["auto", "keep", "none"]
+    noise: Union[float, NoiseModel, tuple[NoiseModel, float], None]
+    local_fit: Literal["linear", "constant"]
+    outliers: Literal["keep", "pull"]
+    operator: OperatorLike
+    progress: ProgressLike
+
+
 _PART = ("faces", "mask", "only")
 _EXACT = (*_PART, "exact")
 _SIGNAL = (*_EXACT, "fwhm", "steps")
@@ -84,6 +147,7 @@ class Part:
     whole: Union[Shape, Decomposer]
     part: Union[Shape, Decomposer]
     selection: Union[Selection, None]
+    function: str = ""
 
     @property
     def shape(self) -> Shape:
@@ -202,14 +266,16 @@ def read_part(
     ValueError
         If an argument is invalid.
     """
+    wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
+    wanted += ("precision",) if function in _WITH_PRECISION else ()
+    wanted += ("accuracy",) if function == "filter" else ()
+    _check_order(function, shape, signal, [*known, *wanted])
+    if options.get("faces") is None and signal is not None:
+        ask_about_faces(function, shape, signal, [*known, *wanted])
     if options:
-        wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
-        wanted += ("precision",) if function in _WITH_PRECISION else ()
         refuse_unknown(function, options, known, wanted)
     shape = as_domain(shape)
     faces = options.get("faces")
-    if faces is None and signal is not None:
-        ask_about_faces(function, shape, signal)
     mask, only = options.get("mask"), options.get("only")
     if isinstance(shape, Decomposer):
         given = next((name for name in _PART if options.get(name) is not None), None)
@@ -220,14 +286,14 @@ def read_part(
                 if given != "faces"
                 else "faces: a Decomposer has a shape already; leave them out"
             )
-        return Part(shape, shape, shape, None)
+        return Part(shape, shape, shape, None, function)
     given = shape if faces is None else (shape, faces)
     whole = as_shape(shape, faces)
     if mask is None and only is None:
-        return Part(given, whole, whole, None)
+        return Part(given, whole, whole, None, function)
     part = whole.select(only, mask=mask)
     rows = np.flatnonzero(np.isin(whole.file_rows, part.file_rows))
-    return Part(given, whole, part, Selection(whole, rows))
+    return Part(given, whole, part, Selection(whole, rows), function)
 
 
 def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> OperatorLike:
@@ -235,14 +301,126 @@ def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> Operat
     return as_operator(operator).with_exact_masses() if options.get("exact") else operator
 
 
-def default_signal(given: object, signal: SignalLike) -> SignalLike:
-    """The signal, or the data of an object that is a signal on a shape, such as an image on a surface."""
-    if signal is not None:
-        return signal
+def own_signal(given: object) -> SignalLike:
+    """Data of an object that is a signal on a shape, such as an image on a surface; None for a shape."""
     return given._own_signal() if isinstance(given, Decomposer) else _adapt.own_signal(given)
 
 
-def ask_about_faces(function: str, shape: object, second: object) -> None:
+def default_signal(part: Part, signal: SignalLike) -> SignalLike:
+    """The signal, or the data of an object that is a signal on a shape, such as an image on a surface.
+
+    Raises
+    ------
+    ValueError
+        If there is none, and the shape is a graph without positions, which are the signal of all others.
+    """
+    given = part.given
+    if isinstance(signal, Mapping) and _adapt.has_nodes(given):
+        # Values by the names of the nodes, as in NetworkX.
+        return np.array([signal.get(node, np.nan) for node in given], dtype=np.float64)  # type: ignore[attr-defined]
+    if signal is not None:
+        return signal
+    own = own_signal(given)
+    if own is None and part.whole_shape.kind == "graph" and not part.whole_shape.points.size:
+        fields = part.whole_shape.fields
+        names = [repr(name) for name in fields if fields[name].ndim == 1]
+        text = names[0] if names else "f"
+
+        def add(call: Call) -> None:
+            call.arguments.insert(0 if call.is_method else 1, text)
+
+        line = working_line(part.function, add, f"aw.{part.function}(graph, f)")
+        raise ValueError(f"{part.function}: a graph without positions needs a signal, one value for each node{line}")
+    return own
+
+
+def grid_method(function: str, shape: Any, options: Any) -> Callable[..., Any] | None:
+    """Method of an image or a volume, which knows the axes of its signals; None for all other shapes.
+
+    Images of nibabel, SimpleITK, rasterio and xarray are grids, and so is an array of three long axes. A mask belongs to
+    the grid, and is taken out of the options.
+    """
+    kind = type(shape)
+    if kind.__name__ == "Grid" and kind.__module__.startswith("adwave."):
+        places, names = known_options(getattr(kind, function))
+        refuse_unknown(function, options, [*places[1:], *names], ())
+        return getattr(shape, function)
+    library = library_of_grid(shape)
+    is_image = library in ("nibabel", "SimpleITK", "rasterio") or (
+        library == "xarray" and not (np.ndim(shape) == 2 and np.shape(shape)[1] in (2, 3))
+    )
+    if not is_image and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > _MAX_CORNERS):
+        return None
+    import adwave  # the package loads the module of `Grid`, which is above this one
+
+    Grid = adwave.Grid
+    mask = options.pop("mask", None)
+    places, names = known_options(getattr(Grid, function))
+    refuse_unknown(function, options, [*places[1:], *names], ())
+    return getattr(Grid(shape, mask=mask), function)
+
+
+def _check_order(function: str, shape: Any, signal: Any, known: list[str]) -> None:
+    """Raise TypeError if the first arguments are in another order, or are others than a shape and a signal."""
+    if function not in ("smooth", "decompose", "filter", "denoise", "saliency", "features"):
+        return
+    is_array = isinstance(shape, np.ndarray)
+    if is_array and shape.ndim == 1 and (isinstance(signal, tuple) or np.ndim(signal) == 2):
+
+        def swap(call: Call) -> None:
+            call.arguments[:2] = [call.arguments[1], call.arguments[0]]
+
+        line = working_line(function, swap, f"aw.{function}(shape, f)")
+        raise TypeError(f"{function}: the shape comes first and its signal second{line}")
+    is_wide = is_array and shape.ndim == 2 and shape.shape[0] > 1 and shape.shape[1] > 3 and shape.shape[0] > 3
+    is_volume = is_array and shape.ndim == 3 and shape.shape[1:] != (3, 3)
+    if not (is_wide or is_volume) and not is_number(signal):
+        return
+    is_graph = is_wide and is_square(shape) and (shape == shape.T).all() and (shape >= 0).all()
+    has_rows = (
+        is_wide and signal is not None and np.shape(signal)[:1] == shape.shape[:1] and np.shape(signal) != shape.shape
+    )
+    is_samples = is_wide and not is_square(shape) and signal is not None and (has_rows or signal is shape)
+
+    def change(call: Call) -> None:
+        at = 0 if call.is_method else 1
+        if is_number(signal) and len(call.arguments) > at:
+            name = "sigma" if function == "smooth" and (is_wide or is_volume) else SURPLUS.get(function)
+            text = call.arguments.pop(at)
+            if name is not None:
+                call.keywords[name] = text
+        if call.is_method or not call.arguments:
+            return
+        text, package = call.arguments[0], call.package
+        is_grid = (is_wide or is_volume) and not (is_graph or is_samples)
+        neighbors = ""
+        for name in [name for name in call.keywords if name not in known and not (is_grid and name == "sigma")]:
+            if is_samples and name in NEIGHBOR_NAMES:
+                neighbors = f"neighbors={call.keywords.pop(name)}, "
+            else:
+                rename_keyword(call, name, [*known, *(("sigma",) if is_grid else ())])
+        text = call.arguments[0]
+        if is_graph:
+            call.arguments[0] = f'{package}walk({text}, normalize="row", stay=0.5)'
+        elif is_samples:
+            call.arguments[0] = f"{package}point_walk({text}, {neighbors}stay=0.5)"
+        elif is_volume and min(shape.shape[0], shape.shape[2]) <= _MAX_CORNERS:
+            wrap_grid(call, axes="(0, 1)" if shape.shape[2] <= _MAX_CORNERS else "(1, 2)")
+        elif is_wide or is_volume:
+            wrap_grid(call)
+
+    if is_graph:
+        what = "a matrix of weights between nodes is a walk, aw.walk(W, normalize='row')"
+    elif is_samples:
+        what = "samples of many features are the nodes of a graph of neighbors, aw.point_walk(X)"
+    elif is_wide or is_volume:
+        what = f"an array of shape {np.shape(shape)} is no list of points; an image or a volume is aw.grid(array)"
+    else:
+        what = f"a single number is no signal, got {signal!r}"
+    raise TypeError(f"{function}: {what}{working_line(function, change, f'aw.{function}(aw.grid(array))')}")
+
+
+def ask_about_faces(function: str, shape: object, second: object, known: Sequence[str] = ()) -> None:
     """Raise TypeError if the second argument looks like the faces of an array of points.
 
     Parameters
@@ -251,25 +429,25 @@ def ask_about_faces(function: str, shape: object, second: object) -> None:
         Name of the function, for the message.
     shape, second : object
         The first two arguments.
+    known : sequence of str
+        Options of the function; those that are none of them are renamed in the line.
     """
-    if isinstance(second, str) or not isinstance(shape, (np.ndarray, list, tuple)):
+    if isinstance(second, str) or not isinstance(shape, (np.ndarray, list)):
         return
-    if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or len(shape[0]) not in (2, 3):
+    if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or not looks_like_faces(shape, second):
         return
-    faces, n_points = np.asarray(second), len(shape)
-    # Bytes are colors, and corners of a face differ.
-    if faces.dtype.kind not in "iu" or faces.dtype.itemsize == 1 or faces.ndim != 2:
-        return
-    few = np.sort(faces[:100], axis=1)
-    if (few[:, 1:] == few[:, :-1]).any():
-        return
-    if faces.shape[1] in (3, _MAX_CORNERS) and faces.size and faces.min() >= 0 and faces.max() < n_points:
-        rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": "gains"}.get(function, "signal")
-        raise TypeError(
-            f"{function}: are these the faces of the points? Faces come in a pair, aw.{function}((V, F), {rest})"
-            + (
-                ""
-                if rest == "(V2, F2)"
-                else ", or by keyword, faces=F; a signal of whole numbers goes as F.astype(float)"
-            )
-        )
+    rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": '"smooth"'}.get(function, "f")
+
+    def join(call: Call) -> None:
+        if len(call.arguments) > 1:
+            call.arguments[:2] = [f"({call.arguments[0]}, {call.arguments[1]})"]
+        for name in [name for name in call.keywords if known and name not in known]:
+            rename_keyword(call, name, known)
+        if function in ("match", "distances"):
+            call.arguments.append(rest)
+
+    line = working_line(function, join, f"aw.{function}((V, F), {rest})")
+    advice = "; a signal of whole numbers goes as F.astype(float)" if rest in ("f", '"smooth"') else ""
+    raise TypeError(
+        f"{function}: are these the faces of the points? They go in a pair, (V, F), or as faces=F{advice}{line}"
+    )

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._notebook import PictureRequest
-from adwave._part import default_signal, read_part
+from adwave._part import own_signal, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
 
@@ -171,6 +172,7 @@ class ColorScale:
     bar: bool = True
 
 
+@public()
 def render(
     shape: object,
     values: str | ArrayLike | None = None,
@@ -227,7 +229,7 @@ def render(
     """
     part = read_part("render", shape, options, _RENDER, values)
     own = part.shape
-    values = default_signal(part.given, values)
+    values = own_signal(part.given) if values is None else values
     if values is not None and not isinstance(values, str):
         values = _one_value(values)
         if part.selection is not None:

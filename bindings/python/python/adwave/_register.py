@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._layout import vertex_weights
 from adwave._measures import Features
@@ -76,6 +77,7 @@ class SimplifyOptions:
     weights: Union[NDArray[np.float64], None]
 
 
+@public()
 def simplify(
     shape: object,
     *,
@@ -221,6 +223,7 @@ class MatchOptions:
     scaled: bool
 
 
+@public()
 def match(
     first: object,
     second: object,
@@ -392,6 +395,7 @@ class Distances(NamedTuple):
     motion: NDArray[np.float64]
 
 
+@public()
 def distances(
     first: object,
     second: object,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._measures import FeatureOptions, Features, features
 from adwave._options import LevelsLike, Octaves, OperatorLike, Steps, Widths
@@ -144,6 +145,7 @@ class Trials:
     runs: int = 3
 
 
+@public()
 def repeatability(
     shape: object,
     *,
@@ -220,7 +222,7 @@ def repeatability(
     def find(decomposer: Decomposer, levels: LevelsLike) -> Features:
         return features(decomposer, signal=signal, theta=theta, options=used, levels=levels)
 
-    study = _Study(own, own.rms_widths(steps), not isinstance(levels, Widths), within, find)
+    study = _Study(own, own.measure_widths(steps), not isinstance(levels, Widths), within, find)
     return study.run(trials, find(own, Steps(steps)), progress)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Union
@@ -12,9 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import Call, public, warn
 from adwave._deform import Deformer
+from adwave._methods import Carrier
 from adwave._notebook import shape_html
 from adwave._progress import ProgressLike, report_progress
+from adwave._unknown import working_line
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
@@ -66,7 +68,7 @@ class Fields(Mapping[str, "NDArray[Any]"]):
         return f"Fields({', '.join(self._names)})"
 
 
-class Shape:
+class Shape(Carrier):
     """A triangle or polygon mesh, a point cloud or a graph, with values at its vertices and faces.
 
     A shape is immutable: `with_points` and `with_field` give new shapes that share the unchanged parts.
@@ -75,9 +77,10 @@ class Shape:
     ----------
     points : shape_like
         Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
-        ``(points, faces)``, a path, a sparse matrix of weights (a graph), or an object of trimesh, PyVista, meshio,
-        Open3D, networkx, nilearn, PyTorch Geometric, PyGSP, laspy or pandas. Both hemispheres of nilearn are one mesh, and
-        the points of images and volumes of PyVista the nodes of a graph.
+        ``(points, faces)``, several meshes such as both hemispheres of a brain (which become one), a path, a sparse matrix
+        of weights (a graph), or an object of trimesh, PyVista, meshio, Open3D, networkx, nilearn, AnnData, PyTorch
+        Geometric, PyGSP, laspy or pandas. Both hemispheres of nilearn are one mesh, and the points of images and volumes of
+        PyVista the nodes of a graph.
     faces : array_like, optional
         Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
         cloud.
@@ -109,6 +112,7 @@ class Shape:
 
     __slots__ = ("__weakref__", "_data", "_lost")
 
+    @public()
     def __init__(
         self,
         points: object,
@@ -122,7 +126,7 @@ class Shape:
             data, self._lost = points._data, points._lost
         elif _adapt.is_path(points) and faces is None:
             data = _native.ShapeData.read(os.fspath(points), ReadOptions())  # type: ignore[call-overload]
-            _warn_of_flagged(data, stacklevel=3)
+            _warn_of_flagged(data)
         else:
             parts = _adapt.parts_of(points, faces)
             data, self._lost = _data_from_parts(parts), parts.lost
@@ -501,11 +505,7 @@ class Shape:
         """Warn of content of the file or object that another library's object is not given."""
         lost = [*self._data.extras, *self._lost]
         if lost:
-            warnings.warn(
-                f"the {library} object is without {', '.join(lost)}; Shape.write keeps what the file had",
-                UserWarning,
-                stacklevel=3,
-            )
+            warn(f"the {library} object is without {', '.join(lost)}; Shape.write keeps what the file had")
 
     def _triangles(self) -> NDArray[np.int64]:
         return np.array(self.faces, dtype=np.int64)
@@ -590,6 +590,7 @@ def _field_values(values: ArrayLike, n: int, name: str) -> NDArray[Any]:
     return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
 
 
+@public()
 def as_shape(shape: object, faces: object = None) -> Shape:
     """Anything that is a shape as a `Shape`; a `Shape` is returned unchanged.
 
@@ -627,14 +628,12 @@ def _conditions(only: Conditions | None) -> list[str]:
     return [only] if isinstance(only, str) else list(only)
 
 
-def _warn_of_flagged(data: _native.ShapeData, stacklevel: int) -> None:
+def _warn_of_flagged(data: _native.ShapeData) -> None:
     """Warn of points that a file flags as withheld or noise, which are left out."""
     if data.n_flagged:
-        warnings.warn(
+        warn(
             f"{data.n_flagged} of {data.n_file_rows} points are flagged as withheld or classified as noise (7, 18) and "
-            "take no part; all_points=True includes them",
-            UserWarning,
-            stacklevel=stacklevel,
+            "take no part; all_points=True includes them"
         )
 
 
@@ -650,6 +649,7 @@ def _bounds(box: ArrayLike) -> tuple[list[float], list[float]]:
     return (low, high) if half == 3 else ([*low, -np.inf], [*high, np.inf])
 
 
+@public()
 def read(
     path: Path,
     *,
@@ -723,7 +723,7 @@ def read(
         )
         options = ReadOptions(kind, bounds, resolution, selection)
         data = _native.ShapeData.read(os.fspath(path), options, report)
-    _warn_of_flagged(data, stacklevel=3)
+    _warn_of_flagged(data)
     return Shape._from_data(data)
 
 
@@ -753,10 +753,11 @@ def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = N
     <adwave.Shape: mesh, 3 vertices, 1 faces>
     """
     data = _native.ShapeData.read_bytes(bytes(content), name, kind, all_points)
-    _warn_of_flagged(data, stacklevel=3)
+    _warn_of_flagged(data)
     return Shape._from_data(data)
 
 
+@public()
 def sample(name: str = "creature", *, vertices: int | None = None, noise: float | None = None, seed: int = 1) -> Shape:
     """A built-in shape.
 
@@ -782,9 +783,20 @@ def sample(name: str = "creature", *, vertices: int | None = None, noise: float 
     >>> aw.sample("sphere", vertices=100)
     <adwave.Shape: mesh, 100 vertices, 196 faces>
     """
-    return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
+    try:
+        return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
+    except ValueError as error:
+        if "there is no sample" not in str(error):
+            raise
+        raise ValueError(f"{error}{working_line('sample', _any_sample, 'aw.sample()')}") from None
 
 
+def _any_sample(call: Call) -> None:
+    call.arguments[:] = ['"creature"']
+    call.keywords.pop("name", None)
+
+
+@public()
 def graph(
     n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None, *, points: ArrayLike | None = None
 ) -> Shape:

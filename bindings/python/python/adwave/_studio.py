@@ -9,6 +9,7 @@ import webbrowser
 from typing import NamedTuple
 
 from adwave import _native
+from adwave._caller import public
 from adwave._recipe import Recipe
 from adwave._shape import Shape, as_shape
 
@@ -34,6 +35,7 @@ class StudioResult(NamedTuple):
     recipe: Recipe
 
 
+@public()
 def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> StudioResult:
     """Open an equalizer for a shape in the browser, and wait until the edit is done.
 

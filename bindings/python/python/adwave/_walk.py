@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _native
 from adwave._adapt_objects import library_of
 from adwave._adapt_objects import read as read_object
-from adwave._layout import signal_values
+from adwave._caller import Call, public, written_call
+from adwave._layout import float_type, signal_values
+from adwave._methods import Carrier
 from adwave._progress import ProgressLike, report_progress
 
 if TYPE_CHECKING:
@@ -61,16 +63,25 @@ class _KernelChoice:
     scale_neighbor: int
 
 
-class Walk:
-    """A random walk P on n nodes, as `adwave.walk`, `adwave.points` and `adwave.neighbors` make it.
+class Walk(Carrier):
+    """A random walk P on n nodes, as `adwave.walk`, `adwave.point_walk` and `adwave.neighbors` make it.
 
-    ``repr`` tells how it was made. Results do not depend on the number of threads.
+    ``repr`` tells how it was made. Results do not depend on the number of threads. Every function takes a walk in the place
+    of a shape, and ``walk @ f`` is one step.
+
+    Parameters
+    ----------
+    graph, normalize, self_loops, symmetrize, stay
+        As in `adwave.walk`.
 
     Examples
     --------
     >>> import adwave as aw
-    >>> aw.walk([[0, 1], [1, 0]])
+    >>> pair = aw.walk([[0, 1], [1, 0]])
+    >>> pair
     <adwave.Walk: 2 nodes, as given>
+    >>> pair @ [1.0, 3.0]
+    array([3., 1.])
     """
 
     __slots__ = ("_data", "_decomposer", "_source", "origin")
@@ -78,16 +89,37 @@ class Walk:
     #: Construction of the walk in words.
     origin: str
 
-    def __init__(self, source: tuple[NDArray[Any], ...], choices: _WalkChoices | None, origin: str) -> None:
+    @public()
+    def __init__(
+        self,
+        graph: object,
+        *,
+        normalize: Normalization | None = None,
+        self_loops: float | Literal["keep"] = "keep",
+        symmetrize: Literal["mean", "maximum"] | None = None,
+        stay: float = 0.0,
+    ) -> None:
+        own = _make_walk(graph, normalize, self_loops, symmetrize, stay)
+        self._source, self._data, self._decomposer, self.origin = own._source, own._data, own._decomposer, own.origin
+
+    @classmethod
+    def _from_source(cls, source: tuple[NDArray[Any], ...], choices: _WalkChoices | None, origin: str) -> Walk:
         values, columns, offsets = source
-        self._source = (source, choices)
-        self._data = _native.WalkData(offsets, columns, values, choices)
-        self._decomposer: Any = None
-        self.origin = origin
+        walk = cls.__new__(cls)
+        walk._source = (source, choices)
+        walk._data = _native.WalkData(offsets, columns, values, choices)
+        walk._decomposer = None
+        walk.origin = origin
+        return walk
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of nodes."""
+        return self._data.n_nodes
 
     @property
     def n_nodes(self) -> int:
-        """Number of nodes."""
+        """Number of nodes, as `n_vertices`."""
         return self._data.n_nodes
 
     @property
@@ -112,38 +144,52 @@ class Walk:
         values, columns, offsets = self._data.matrix()
         return csr_array((values, columns, offsets), shape=(self.n_nodes, self.n_nodes))
 
-    def smooth(self, signal: ArrayLike, steps: int, *, progress: ProgressLike = None) -> NDArray[np.float64]:
-        """``P^steps f`` for a whole number of steps.
+    def _powers(self, signal: object, steps: float, progress: ProgressLike = None) -> NDArray[Any] | None:
+        """``P^steps f`` for a whole number of steps of a signal without gaps; None for others, which go by bands."""
+        if signal is None or isinstance(signal, str) or steps != int(steps) or steps < 0:
+            return None
+        values, layout = signal_values(signal, self.n_vertices)
+        if self.normalization == "row" and not np.isfinite(values.sum()):
+            return None
+        with report_progress(progress, "smoothing") as report:
+            found = layout.arrange(self._data.apply(values, int(steps), report))
+        return found.astype(float_type(signal), copy=False)
 
-        Parameters
-        ----------
-        signal : (n,) or (n, channels) array
-            Values at the nodes.
-        steps : int
-            Number of steps, at least 0.
-        progress : bool or callable, optional
-            ``True`` for a bar, or a function of (done, total).
+    def power(self, steps: int) -> Walk:
+        """The walk of a number of steps, ``P^steps``, whose matrix is full where the graph is not large.
 
         Examples
         --------
         >>> import adwave as aw
-        >>> aw.walk([[0, 1], [1, 0]]).smooth([1.0, 3.0], 3)
-        array([3., 1.])
+        >>> aw.walk([[0, 1], [1, 0]]).power(2).matrix().toarray()
+        array([[1., 0.],
+               [0., 1.]])
         """
-        if steps != int(steps) or steps < 0:
-            raise ValueError(f"steps must be a whole number of at least 0, got {steps}")
-        values, layout = signal_values(signal, self.n_nodes)
-        with report_progress(progress, "smoothing") as report:
-            return layout.arrange(self._data.apply(values, int(steps), report))
+        if steps != int(steps) or steps < 1:
+            raise ValueError(f"steps must be a whole number of at least 1, got {steps}")
+        if self.normalization != "row":
+            raise ValueError(f"power needs a walk whose rows sum to 1, got {self.normalization} normalization")
+        step = total = self.matrix()
+        for bit in bin(int(steps))[3:]:
+            total = total @ total
+            total = total @ step if bit == "1" else total
+        return Walk._from_source(_rows(total), None, f"{int(steps)} steps of {self.origin}")
 
-    def bands(self, signal: ArrayLike, scales: Sequence[int] = SCALES) -> NDArray[np.float64]:
+    __pow__ = power
+
+    def __matmul__(self, signal: ArrayLike) -> NDArray[np.float64]:
+        values, layout = signal_values(signal, self.n_vertices)
+        return layout.arrange(self._data.apply(values, 1, None))
+
+    @public(scales="steps")
+    def bands(self, signal: ArrayLike, steps: Sequence[int] = SCALES) -> NDArray[np.float64]:
         """Bands ``(P^{n_{j−1}} − P^{n_j}) f``, n_0 = 0, and the rest ``P^{n_J} f``; they sum to the signal.
 
         Parameters
         ----------
         signal : (n,) or (n, channels) array
             Values at the nodes.
-        scales : sequence of int
+        steps : sequence of int
             n_1 < n_2 < … < n_J.
 
         Returns
@@ -157,8 +203,8 @@ class Walk:
         array([[-1.,  1.],
                [ 2.,  2.]])
         """
-        values, layout = signal_values(signal, self.n_nodes)
-        return layout.arrange(self._data.bands(values, [int(n) for n in scales]))
+        values, layout = signal_values(signal, self.n_vertices)
+        return layout.arrange(self._data.bands(values, [int(n) for n in steps]))
 
     def prepare(self) -> Decomposer:
         """The graph of the walk as an `adwave.Decomposer`: bands, filters, denoising, saliency and features.
@@ -197,11 +243,12 @@ class Walk:
         return f"<adwave.Walk: {self.n_nodes} nodes, {self.origin}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Walk, (*self._source, self.origin)
+        return Walk._from_source, (*self._source, self.origin)
 
 
+@public(matrix="graph")
 def walk(
-    matrix: object,
+    graph: object,
     *,
     normalize: Normalization | None = None,
     self_loops: float | Literal["keep"] = "keep",
@@ -212,9 +259,10 @@ def walk(
 
     Parameters
     ----------
-    matrix : (n, n) array, sparse matrix, or graph of NetworkX, PyGSP or PyTorch Geometric
-        Without `normalize` the walk itself: entries ≥ 0, rows that sum to 1 with the diagonal. With it, weights, of which
-        those of a directed graph lead from the row to the column.
+    graph : (n, n) array, sparse matrix, or graph of NetworkX, PyGSP, AnnData or PyTorch Geometric; or shape_like
+        A matrix without `normalize` is the walk itself: entries ≥ 0, rows that sum to 1 with the diagonal. With it, weights,
+        of which those of a directed graph lead from the row to the column. Of a mesh or a cloud, the lazy walk Φ₁ of
+        `Decomposer`.
     normalize : 'row', 'column' or 'symmetric', optional
         Divides weights W with row sums D: ``D⁻¹W`` averages values, ``WD⁻¹`` moves amounts, ``D^(−½)WD^(−½)`` is
         symmetric.
@@ -238,26 +286,48 @@ def walk(
            [0.25, 0.  , 0.75],
            [0.  , 1.  , 0.  ]])
     """
-    library = graph_library(matrix)
+    return _make_walk(graph, normalize, self_loops, symmetrize, stay)
+
+
+def _make_walk(graph: Any, normalize: Normalization | None, self_loops: Any, symmetrize: Any, stay: float) -> Walk:
+    if isinstance(normalize, bool):
+        raise TypeError(f"normalize must be 'row', 'column' or 'symmetric', got {normalize}{_normalized_line()}")
+    library = graph_library(graph)
     if library is not None:
         if normalize is None:
             raise TypeError(
-                f"matrix: a graph of {library} has weights, and a walk has rows that sum to 1; pass "
-                "adwave.walk(graph, normalize='row') to make one"
+                f"graph: a graph of {library} has weights, and a walk has rows that sum to 1{_normalized_line()}"
             )
-        matrix = graph_matrix(matrix, library)
-    source = _rows(matrix)
+        graph = graph_matrix(graph, library)
+    elif isinstance(graph, (Carrier, str, tuple)) or library_of(graph) in _MESHES:
+        return as_walk(graph)
+    source = _rows(graph)
     if normalize is None:
         changed = {"self_loops": self_loops != "keep", "symmetrize": symmetrize is not None, "stay": stay != 0.0}
         for name, is_changed in changed.items():
             if is_changed:
                 raise ValueError(f"{name} applies to weights, and this is a walk as given; add normalize='row'")
-        return Walk(source, None, "as given")
+        try:
+            return Walk._from_source(source, None, "as given")
+        except ValueError as error:
+            raise ValueError(f"{error}{_normalized_line()}") from None
     choices = _WalkChoices(_loops(self_loops), symmetrize, normalize, float(stay))
-    return Walk(source, choices, _describe("a graph", choices))
+    return Walk._from_source(source, choices, _describe("a graph", choices))
 
 
-def points(
+#: Libraries whose objects are meshes and clouds.
+_MESHES = ("trimesh", "pyvista", "meshio", "open3d", "nilearn", "laspy")
+
+
+def _normalized_line() -> str:
+    """The user's call with weights divided by their sums."""
+    call = written_call("walk") or written_call("Walk") or Call("aw.walk", ["graph"], {})
+    call.keywords["normalize"] = "'row'"
+    return f"; write {call}"
+
+
+@public()
+def point_walk(
     X: ArrayLike,
     *,
     neighbors: int = 15,
@@ -296,7 +366,7 @@ def points(
     Examples
     --------
     >>> import adwave as aw, numpy as np
-    >>> aw.points(np.eye(5), neighbors=2).n_nodes
+    >>> aw.point_walk(np.eye(5), neighbors=2).n_vertices
     5
     """
     values = np.ascontiguousarray(np.atleast_2d(np.asarray(X, dtype=np.float64)))
@@ -310,9 +380,10 @@ def points(
     weights = _native.neighbor_weights(offsets, indices.astype(np.int64), distances, chosen)
     choices = _WalkChoices(str(float(self_loops)), None, "row", float(stay))
     origin = f"{neighbors} nearest neighbors in {values.shape[1]} dimensions, kernel {kernel}"
-    return Walk(weights, choices, _describe(origin, choices))
+    return Walk._from_source(weights, choices, _describe(origin, choices))
 
 
+@public()
 def neighbors(
     indices: ArrayLike,
     distances: ArrayLike,
@@ -330,7 +401,7 @@ def neighbors(
     indices, distances : (n, k) arrays
         Neighbors of each point, and their distances. −1 means none; a point in its own list is left out.
     kernel, decay, scale_neighbor, self_loops, stay
-        As in `adwave.points`.
+        As in `adwave.point_walk`.
 
     Examples
     --------
@@ -347,9 +418,10 @@ def neighbors(
     counts = np.array([len(found)], dtype=np.int64)
     weights = _native.neighbor_weights(counts, found.ravel(), lengths.ravel(), chosen)
     choices = _WalkChoices(str(float(self_loops)), None, "row", float(stay))
-    return Walk(weights, choices, _describe(f"given neighbors, kernel {kernel}", choices))
+    return Walk._from_source(weights, choices, _describe(f"given neighbors, kernel {kernel}", choices))
 
 
+@public()
 def from_edge_index(
     edge_index: object,
     edge_weight: object = None,
@@ -451,6 +523,7 @@ def as_walk(given: object) -> Walk:
     return walk(prepare_decomposer(given).matrix())
 
 
+@public(scales="steps")
 def scattering(
     walk: object,
     signal: ArrayLike,
@@ -495,12 +568,12 @@ def scattering(
     >>> found.values[1, :, 0]
     array([1., 1.])
     """
-    walk = as_walk(walk)
-    values, _ = signal_values(signal, walk.n_nodes)
+    own = as_walk(walk)
+    values, _ = signal_values(signal, own.n_vertices)
     with report_progress(progress, "scattering") as report:
         scales, wanted = [int(n) for n in steps], [int(order) for order in orders]
         choices = _ScatteringChoices(scales, wanted, precision)
-        found, paths, accuracy = walk._data.scatter(values, choices, report)
+        found, paths, accuracy = own._data.scatter(values, choices, report)
     named = tuple(tuple(path) for path in paths)
     if pool is None:
         if batch is not None:
@@ -531,7 +604,7 @@ def as_array(values: object) -> NDArray[Any]:
 def graph_library(x: object) -> str | None:
     """Library of a graph object whose weights can be read, or None."""
     library = library_of(x)
-    return library if library in ("networkx", "pygsp", "torch_geometric") else None
+    return library if library in ("networkx", "pygsp", "torch_geometric", "anndata") else None
 
 
 def graph_matrix(x: object, library: str) -> Any:
@@ -559,7 +632,7 @@ def _rows(matrix: object) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDAr
     if len(rows.shape) != 2 or rows.shape[0] != rows.shape[1]:
         raise ValueError(
             f"the matrix of a graph is square, got shape {rows.shape}; pass (n, n) weights or probabilities, or "
-            "adwave.points(X) for points in rows"
+            "adwave.point_walk(X) for points in rows"
         )
     if rows.shape[0] >= 2**32 - 1:
         raise ValueError(f"a graph has fewer than 2³² − 1 nodes, got {rows.shape[0]}")

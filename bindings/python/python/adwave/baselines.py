@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._caller import public
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import OperatorLike, SignalLike
 from adwave._part import read_part
@@ -39,6 +40,7 @@ __all__ = [
 _Weights = Literal["uniform", "cotangent"]
 
 
+@public()
 def harmonics(
     shape: object, k: int, *, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -80,6 +82,7 @@ def harmonics(
         return _native.harmonics(as_shape(shape)._data, k, report)
 
 
+@public()
 def heat_kernel_signature(
     shape: object, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -118,6 +121,7 @@ def heat_kernel_signature(
         return _native.signature(as_shape(shape)._data, "heat", k, scales, report)
 
 
+@public()
 def wave_kernel_signature(
     shape: object, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -198,6 +202,7 @@ class _TaubinOptions:
     weights: _Weights
 
 
+@public()
 def taubin(
     shape: object,
     *,
@@ -246,6 +251,7 @@ def taubin(
     return layout.arrange(smoothed)
 
 
+@public()
 def differential_coordinates(
     shape: object, *, signal: SignalLike = None, weights: _Weights = "cotangent"
 ) -> NDArray[np.float64]:
@@ -379,6 +385,7 @@ class CriticalPoints(NamedTuple):
     index_sum: int
 
 
+@public()
 def feature_map(
     shape: object,
     times: Sequence[float],

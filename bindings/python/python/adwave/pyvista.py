@@ -93,17 +93,17 @@ class Wavelets:
         """
         return adwave.smooth(self._mesh, signal, **options)
 
-    def filter(self, gains: Any, **options: Any) -> Any:
+    def filter(self, *edit: Any, **options: Any) -> Any:
         """The mesh, or a signal on it, with its bands changed; see `adwave.filter`.
 
         Parameters
         ----------
-        gains : sequence of float, str, or one or more Layer
-            A gain for each band, or the name of a preset; see `adwave.filter`.
+        *edit
+            The gains, or a signal and the gains, as in `adwave.filter`.
         **options
-            Further arguments of `adwave.filter`: ``levels``, ``where="ball:vertex=120,radius=10%"``, ``signal``, …
+            Further arguments of `adwave.filter`: ``levels``, ``where="ball:vertex=120,radius=10%"``, …
         """
-        return adwave.filter(self._mesh, gains, **options)
+        return adwave.filter(self._mesh, *edit, **options)
 
     def denoise(self, signal: Any = None, **options: Any) -> Any:
         """The mesh, or a signal on it, without its noise; see `adwave.denoise`, which also returns the estimates.

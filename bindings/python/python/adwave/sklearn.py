@@ -15,10 +15,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.utils.validation import check_is_fitted
 
+from adwave._adapt_objects import library_of
+from adwave._caller import public
 from adwave._decomposer import prepare_decomposer
 from adwave._edits import decompose
+from adwave._layout import float_type
 from adwave._options import LevelsLike, OperatorLike, Steps
+from adwave._shape import graph
 
 __all__ = ["SignalBands", "WaveletFeatures"]
 
@@ -47,6 +52,7 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
     (1, 10)
     """
 
+    @public()
     def __init__(self, levels: LevelsLike = 6, operator: OperatorLike = "walk") -> None:
         self.levels: LevelsLike = levels
         self.operator: OperatorLike = operator
@@ -135,10 +141,14 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
 class SignalBands(TransformerMixin, BaseEstimator):
     """Split signals on one shape or graph into bands: rows of samples × vertices become features by level.
 
+    Images on surfaces of nilearn are signals of both hemispheres: `fit` takes their meshes, `transform` gives a row for each
+    time, and `inverse_transform` an image again.
+
     Parameters
     ----------
-    shape : shape_like
-        Anything that is a shape; see `adwave.Shape`. A sparse matrix of weights is a graph. It is prepared by `fit`.
+    shape : shape_like, optional
+        Anything that is a shape; see `adwave.Shape`. A sparse matrix of weights is a graph. It is prepared by `fit`. By
+        default the meshes of an image on surfaces, or a chain in which each column has the next one as its neighbor.
     levels : int, Widths, Steps or Octaves, optional
         As in `adwave.decompose`.
     output : {'bands', 'energy', 'smooth'}
@@ -167,6 +177,7 @@ class SignalBands(TransformerMixin, BaseEstimator):
     (5, 4)
     """
 
+    @public()
     def __init__(
         self,
         shape: object = None,
@@ -179,37 +190,41 @@ class SignalBands(TransformerMixin, BaseEstimator):
         self.output: Literal["bands", "energy", "smooth"] = output
         self.operator: OperatorLike = operator
 
-    def fit(self, X: ArrayLike, y: Any = None) -> SignalBands:
+    def fit(self, X: object, y: Any = None) -> SignalBands:
         """Prepare the shape; nothing is learned from the samples.
 
         Parameters
         ----------
-        X : (samples, vertices) array_like
-            Signals as rows.
+        X : (samples, vertices) array_like, or image on surfaces of nilearn
+            Signals as rows. NaN is a vertex without a value.
         y : None
             Not used.
 
         Raises
         ------
         ValueError
-            If there is no shape, the output is unknown, or rows do not have a value for each vertex.
+            If the output is unknown, or rows do not have a value for each vertex.
         """
-        if self.shape is None:
-            raise ValueError("shape must be given, SignalBands(shape); a sparse matrix of weights is a graph")
         if self.output not in ("bands", "energy", "smooth"):
             raise ValueError(f"output must be one of 'bands', 'energy', 'smooth', got {self.output!r}")
-        self.decomposer_ = prepare_decomposer(self.shape, self.operator, self.levels)
-        self.n_features_in_ = self.decomposer_.n_vertices
+        rows = self._rows(X, reset=True)
+        shape = self.shape
+        if shape is None:
+            n = rows.shape[1]
+            if n < 2:
+                raise ValueError(f"X has {n} feature(s), and a chain has two columns or more; give a shape")
+            shape = X if _is_surface_image(X) else graph(n, np.column_stack([np.arange(n - 1), np.arange(1, n)]))
+        self.decomposer_ = prepare_decomposer(shape, self.operator, self.levels)
         self.steps_ = self.decomposer_.schedule(self.levels)
-        self._rows(X)
+        self._check_columns(rows)
         return self
 
-    def fit_transform(self, X: ArrayLike, y: Any = None, **options: Any) -> NDArray[np.float64]:  # pyright: ignore[reportIncompatibleMethodOverride]
+    def fit_transform(self, X: object, y: Any = None, **options: Any) -> NDArray[Any]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Prepare the shape and split the samples.
 
         Parameters
         ----------
-        X : (samples, vertices) array_like
+        X : (samples, vertices) array_like, or image on surfaces of nilearn
             Signals as rows.
         y : None
             Not used.
@@ -218,52 +233,63 @@ class SignalBands(TransformerMixin, BaseEstimator):
         """
         return self.fit(X, y).transform(X)
 
-    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+    def transform(self, X: object) -> NDArray[Any]:
         """Features of samples, as rows.
 
         Parameters
         ----------
-        X : (samples, vertices) array_like
+        X : (samples, vertices) array_like, or image on surfaces of nilearn
             Signals as rows.
 
         Returns
         -------
-        (samples, features) array
+        (samples, features) array, in the number type of samples of floats
+
+        Raises
+        ------
+        sklearn.exceptions.NotFittedError
+            Before `fit`.
         """
+        check_is_fitted(self)
         rows = self._rows(X)
         levels = Steps(self.steps_)
         bands = self.decomposer_.decompose(np.ascontiguousarray(rows.T), levels=levels).array
+        dtype = float_type(rows)
         if self.output == "smooth":
             return np.ascontiguousarray(bands[-1].T)
         if self.output == "bands":
             return np.ascontiguousarray(bands.transpose(2, 0, 1)).reshape(len(rows), -1)
         areas = self.decomposer_.areas
-        return np.sqrt(np.einsum("jnc,n->cj", bands**2, areas) / (areas.sum() or 1.0))
+        squares = np.einsum("jnc,n->cj", np.nan_to_num(bands) ** 2, areas)
+        return np.sqrt(squares / (areas.sum() or 1.0)).astype(dtype, copy=False)
 
-    def inverse_transform(self, X: ArrayLike) -> NDArray[np.float64]:
-        """Signals from their bands, as sums over the levels.
+    def inverse_transform(self, X: ArrayLike) -> Any:
+        """Signals from their bands, as sums over the levels; an image on surfaces if `fit` was given one.
 
         Parameters
         ----------
         X : (samples, (levels + 1) · vertices) array_like
-            What `transform` gave, perhaps changed.
+            Result of `transform`, perhaps changed; (samples, vertices) of the output ``'smooth'``.
 
         Returns
         -------
-        (samples, vertices) array
+        (samples, vertices) array, or image on surfaces of nilearn
 
         Raises
         ------
         ValueError
-            If the output is not ``'bands'``, or rows have another length.
+            If the output is ``'energy'``, or rows have another length.
         """
-        if self.output != "bands":
+        check_is_fitted(self)
+        if self.output == "energy" or (self.output == "smooth" and self._image is None):
             raise ValueError(f"only output='bands' has an inverse, got {self.output!r}")
-        given = np.asarray(X, dtype=np.float64)
-        n_bands = len(self.steps_) + 1
+        given = np.asarray(X)
+        given = given.astype(float_type(given), copy=False)
+        n_bands = 1 if self.output == "smooth" else len(self.steps_) + 1
         if given.ndim != 2 or given.shape[1] != n_bands * self.n_features_in_:
             raise ValueError(f"X must have {n_bands} × {self.n_features_in_} columns, got shape {given.shape}")
-        return given.reshape(len(given), n_bands, -1).sum(axis=1)
+        rows = given.reshape(len(given), n_bands, -1).sum(axis=1)
+        return rows if self._image is None else _image_of_rows(self._image, rows)
 
     def get_feature_names_out(self, input_features: Any = None) -> NDArray[np.object_]:
         """Names ``level1_vertex0`` …, ``level1_rms`` … or ``vertex0`` …; the last level is the rest.
@@ -273,6 +299,7 @@ class SignalBands(TransformerMixin, BaseEstimator):
         input_features : None
             Not used.
         """
+        check_is_fitted(self)
         levels = [*(f"level{j}" for j in range(1, len(self.steps_) + 1)), "rest"]
         vertices = [f"vertex{i}" for i in range(self.n_features_in_)]
         if self.output == "energy":
@@ -281,10 +308,60 @@ class SignalBands(TransformerMixin, BaseEstimator):
             return np.array(vertices, dtype=object)
         return np.array([f"{level}_{vertex}" for level in levels for vertex in vertices], dtype=object)
 
-    def _rows(self, X: ArrayLike) -> NDArray[np.float64]:
-        rows = np.asarray(X, dtype=np.float64)
-        n = self.n_features_in_
-        if rows.ndim != 2 or rows.shape[1] != n:
-            hint = "; pass X.T" if rows.ndim == 2 and rows.shape[0] == n else ""
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.input_tags.allow_nan = True
+        tags.transformer_tags.preserves_dtype = ["float64", "float32"]
+        return tags
+
+    def _more_tags(self) -> dict[str, Any]:
+        return {"allow_nan": True, "preserves_dtype": [np.float64, np.float32]}
+
+    def _rows(self, X: object, *, reset: bool = False) -> NDArray[Any]:
+        """Samples as rows of floats."""
+        if reset:
+            self._image = X if _is_surface_image(X) else None
+        if _is_surface_image(X):
+            rows = _rows_of_image(X)
+            self.n_features_in_ = rows.shape[1] if reset else self.n_features_in_
+            return rows
+        shape = np.shape(X) if not reset and hasattr(X, "shape") else ()  # type: ignore[arg-type]
+        if len(shape) == 2 and shape[0] == self.n_features_in_ != shape[1]:
+            raise ValueError(
+                f"X has {shape[1]} features, but {type(self).__name__} is expecting {shape[0]} features as input: it must be "
+                f"samples × {shape[0]} vertices; pass X.T"
+            )
+        settings: dict[str, Any] = {"dtype": [np.float64, np.float32], "reset": reset}
+        try:
+            from sklearn.utils import validation
+
+            validate: Any = validation.validate_data
+        except (ImportError, AttributeError):  # before version 1.6
+            return self._validate_data(X, force_all_finite="allow-nan", **settings)  # type: ignore[attr-defined]
+        return validate(self, X, ensure_all_finite="allow-nan", **settings)
+
+    def _check_columns(self, rows: NDArray[Any]) -> None:
+        n = self.decomposer_.n_vertices
+        if rows.shape[1] != n:
+            hint = "; pass X.T" if rows.shape[0] == n else ""
             raise ValueError(f"X must be samples × {n} vertices, got shape {rows.shape}{hint}")
-        return rows
+
+
+def _is_surface_image(X: object) -> bool:
+    return library_of(X) == "nilearn" and hasattr(X, "data") and hasattr(X, "mesh")
+
+
+def _rows_of_image(image: Any) -> NDArray[Any]:
+    """Times × vertices of an image on surfaces, hemisphere after hemisphere."""
+    values = np.concatenate([np.asarray(part) for part in image.data.parts.values()])
+    return np.atleast_2d(values.T if values.ndim == 2 else values)
+
+
+def _image_of_rows(image: Any, rows: NDArray[Any]) -> Any:
+    """An image on the surfaces of another with a row of values for each time."""
+    values, start, parts = rows.T, 0, {}
+    for name, part in image.data.parts.items():
+        own = values[start : start + len(part)]
+        parts[name] = np.ascontiguousarray(own if np.ndim(part) == 2 or own.shape[1] > 1 else own[:, 0])
+        start += len(part)
+    return type(image)(mesh=image.mesh, data=parts)
