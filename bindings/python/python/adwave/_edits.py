@@ -410,7 +410,7 @@ def filter(
         line = working_line("filter", lambda call: None, 'aw.filter(shape, "smooth")')
         raise TypeError(f"filter takes a gain for each band or the name of a preset, got none{line}")
     levels = levels_of(levels, options)
-    named = default_signal(part, signal)
+    named = default_signal(part, signal)  # type: ignore[arg-type]
     precision = options.get("precision") or "auto"
     accuracy = options.get("accuracy", _native.ACCURACY)
     moves = named is None or (isinstance(named, str) and named == "coords")
