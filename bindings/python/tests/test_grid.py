@@ -121,7 +121,9 @@ def test_bands_and_base_sum_to_the_values(dtype: type) -> None:
     assert np.abs(total - values).max() < (1e-4 if dtype == np.float32 else 1e-12)
     assert bands.dtype == (np.float32 if dtype == np.float32 else np.float64)
     assert dtype == np.float32 or dtype == np.float64 or np.array_equal(np.rint(total).astype(dtype), values)
-    assert np.abs(bands.scaling(2) - heat(values.astype(float), 2, (1, 1, 2))).max() < 1e-7
+    assert np.abs(bands.scaling(2) - heat(values.astype(float), 2, (1, 1, 2))).max() < (
+        1e-5 if dtype == np.float32 else 1e-7
+    )
 
 
 @pytest.mark.filterwarnings("ignore:levels. an rms width")
@@ -567,7 +569,6 @@ RGB = noise(8, 9, 3)
         (lambda: aw.grid(IMAGE).decompose(sigma=[1, 2], fwhm=[2, 4]), "given twice, by sigma"),
         (lambda: aw.grid(IMAGE).filter([0, 1, 1], where=IMAGE[:3]), r"where: shape \(3, 9\) is not that of the grid"),
         (lambda: aw.decompose(RGB), r"write aw\.decompose\(aw\.grid\(RGB, axes=\(0, 1\)\)\)"),
-        (lambda: aw.decompose(noise(8, 9, 7)), r"aw\.grid\(volume\)"),
     ],
 )
 def test_messages_contain_the_line_that_works(call: Any, line: str) -> None:

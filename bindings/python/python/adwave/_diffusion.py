@@ -294,7 +294,8 @@ class PreparedShape(Carrier):
         Parameters
         ----------
         region : str or array_like
-            A weight or flag for each vertex, indices of vertices, or a region as on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
+            A weight or flag for each vertex, indices of vertices, or a region as on the command line, joined by ``&``, ``|``
+            and ``!``: ``"ball:vertex=120,radius=10%"`` or
             ``"ball:point=0 1 0,radius=0.2"``, ``"stroke:path=120 340 560,radius=2%"``,
             ``"box:min=0 0 0,max=1 1 1"``, ``"half-space:point=0 0 0,normal=0 1 0"``,
             ``"field:name=mask,low=0.5,high=1"``, ``"vertices:indices=1 2 3"``. The first four fall to 0 over

@@ -353,7 +353,8 @@ def filter(
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     signal : str or array_like, optional
-        What is changed; it may be left out, ``filter(shape, gains)``: ``'coords'`` (the default), ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the
+        What is changed; it may be left out, ``filter(shape, gains)``: ``'coords'`` (the default), ``'x'``, ``'y'``,
+        ``'z'``, a field of the shape, or numbers at the
         vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there. An array of 16
         and more channels that is mapped from a file (``np.load(path, mmap_mode="r")``) is read in groups of channels, and
         the result is mapped from a temporary file.
@@ -410,7 +411,7 @@ def filter(
         line = working_line("filter", lambda call: None, 'aw.filter(shape, "smooth")')
         raise TypeError(f"filter takes a gain for each band or the name of a preset, got none{line}")
     levels = levels_of(levels, options)
-    named = default_signal(part, signal)
+    named = default_signal(part, signal)  # type: ignore[arg-type]
     precision = options.get("precision") or "auto"
     accuracy = options.get("accuracy", _native.ACCURACY)
     moves = named is None or (isinstance(named, str) and named == "coords")
