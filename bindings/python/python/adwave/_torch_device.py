@@ -206,7 +206,7 @@ class Operator:
         --------
         >>> import adwave as aw, torch
         >>> operator = aw.torch.Operator(aw.sample("sphere", vertices=500), dtype=torch.float32)
-        >>> all(bound < 1e-3 for bound in operator.error_bounds(torch.rand(500), 6))
+        >>> all(bound < 1e-3 for bound in operator.error_bounds(torch.rand(500), 4))
         True
         """
         rows, _, _ = vertex_rows(signal, self.n_vertices)
