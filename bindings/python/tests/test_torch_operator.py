@@ -140,6 +140,7 @@ def test_bounds_are_those_of_an_accuracy() -> None:
     assert double.error_bounds(torch.ones(60, dtype=torch.float64), 4) == [0.0] * 4
 
 
+@pytest.mark.skipif(IS_INTERPRETED, reason="thousands of products, which are long in the interpreter")
 def test_values_between_steps_and_constants() -> None:
     heat = aw.torch.Operator(HEAT, dtype=torch.float64)
     f = signal(60, 2)
