@@ -206,7 +206,7 @@ class Operator:
         --------
         >>> import adwave as aw, torch
         >>> operator = aw.torch.Operator(aw.sample("sphere", vertices=500), dtype=torch.float32)
-        >>> all(bound < 1e-3 for bound in operator.error_bounds(torch.rand(500), 6))
+        >>> all(bound < 1e-3 for bound in operator.error_bounds(torch.rand(500), 4))
         True
         """
         rows, _, _ = vertex_rows(signal, self.n_vertices)
@@ -416,9 +416,7 @@ def _heat_rate(own: Decomposer, step: Any, share: NDArray[np.float64]) -> float:
     return z / _SHORT
 
 
-def positive_share(
-    step: Any, welded: NDArray[np.integer[Any]], share: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def positive_share(step: Any, welded: NDArray[np.integer[Any]], share: NDArray[np.float64]) -> NDArray[np.float64]:
     """Shares of vertices in the stationary distribution, with 1 in place of the 0 of isolated vertices, which take no step."""
     return np.where((share == 0) & (step.diagonal()[welded] == 1.0), 1.0, share)
 

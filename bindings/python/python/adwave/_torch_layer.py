@@ -128,8 +128,9 @@ class Scattering(torch.nn.Module):
     learn_gains : bool
         Gives each band a gain, 1 at first.
     learn_scales : bool
-        Learns the scales, as LEGS (`tong2021`): ``S_j = Σ_t F_jt Pᵗ f`` for t up to the last of `steps`, with rows of F that
-        are positive and sum to 1, and bands ``S_{j−1} − S_j``. At first F is 0.9 at the given steps. See `scales`.
+        Learns the scales, as LEGS (Tong et al., MLSP 2021): ``S_j = Σ_t F_jt Pᵗ f`` for t up to the last of `steps`,
+        with rows of F that are positive and sum to 1, and bands ``S_{j−1} − S_j``. At first F is 0.9 at the given steps. See
+        `scales`.
 
     Examples
     --------
