@@ -23,7 +23,9 @@ impl Decomposer {
     ) -> Result<Vec<f64>, Cancelled> {
         let reach = radius * (1.0 + ROUNDING);
         if let Some(mut distances) = self.domain().border_distances(self.mask_flags(), reach, progress)? {
-            distances.iter_mut().for_each(|distance| *distance *= 1.0 - ROUNDING);
+            for distance in &mut distances {
+                *distance *= 1.0 - ROUNDING;
+            }
             return Ok(distances);
         }
         let metric = self.metric();

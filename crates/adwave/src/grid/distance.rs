@@ -114,16 +114,12 @@ mod tests {
                     (away as f64 * spacings[axis]).powi(2)
                 };
                 let mut n_inside = 0;
-                for x in 0..n {
+                for (x, found) in found.into_iter().enumerate() {
                     let square = |&y: &usize| (0..3).map(|axis| along(axis, x, y)).sum::<f64>();
                     let nearest = border.iter().map(square).fold(f64::INFINITY, f64::min).sqrt();
                     let is_known = grid.is_part(x, Some(&masked)) && nearest <= 3.0;
                     let wanted = if is_known { nearest } else { f64::INFINITY };
-                    assert!(
-                        found[x] == wanted || (found[x] - wanted).abs() < 1e-12,
-                        "{x}: {} {wanted}",
-                        found[x]
-                    );
+                    assert!(found == wanted || (found - wanted).abs() < 1e-12, "{x}: {found} {wanted}");
                     n_inside += usize::from(is_known && nearest > 0.0);
                 }
                 assert!(n_inside > 20, "{n_inside} places inside");

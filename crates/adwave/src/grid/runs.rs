@@ -43,7 +43,7 @@ struct Link {
 /// The places with data and their neighbors.
 #[derive(Clone, Debug)]
 pub(super) struct Runs {
-    pub(super) runs: Vec<Run>,
+    pub(super) list: Vec<Run>,
     links: Vec<Link>,
     /// Weight of a difference along each axis.
     weights: [f64; MAX_AXES],
@@ -100,15 +100,15 @@ impl Runs {
             }
             runs[k].links = first_link..links.len();
         }
-        Self { runs, links, weights, n_kept, last_axis }
+        Self { list: runs, links, weights, n_kept, last_axis }
     }
 
     /// Ranges of runs that a thread takes at a time, in a block of `width` channels.
     pub(super) fn portions(&self, width: usize) -> Vec<Range<usize>> {
         let (mut portions, mut first, mut n_values) = (Vec::new(), 0, 0);
-        for (k, run) in self.runs.iter().enumerate() {
+        for (k, run) in self.list.iter().enumerate() {
             n_values += run.len * width;
-            if n_values >= VALUES_AT_A_TIME || k + 1 == self.runs.len() {
+            if n_values >= VALUES_AT_A_TIME || k + 1 == self.list.len() {
                 portions.push(first..k + 1);
                 (first, n_values) = (k + 1, 0);
             }
@@ -148,7 +148,7 @@ impl Runs {
     ) -> Result<(), Cancelled> {
         let (mut rest, mut items) = (values, Vec::new());
         for portion in self.portions(n_channels) {
-            let runs = &self.runs[portion];
+            let runs = &self.list[portion];
             let (values, others) = rest.split_at_mut(runs.iter().map(|run| run.len * n_channels).sum());
             items.push((runs, values));
             rest = others;
@@ -204,7 +204,7 @@ impl Runs {
             (self.gather(x, n_channels, 0..n_channels, progress)?, zeros(self.n_kept * n_channels));
         self.compact_difference(&values, n_channels, &mut found, progress)?;
         out.fill(0.0);
-        for run in &self.runs {
+        for run in &self.list {
             let values = &found[run.start * n_channels..][..run.len * n_channels];
             out[run.place * n_channels..][..values.len()].copy_from_slice(values);
         }

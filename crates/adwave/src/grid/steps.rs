@@ -92,8 +92,8 @@ impl<'a> RunSteps<'a> {
             (target, sums.iter_mut().map(|sum| &mut *sum.out).collect());
         let (mut items, mut first_place) = (Vec::with_capacity(portions.len()), 0);
         for portion in portions.iter() {
-            let of_portion = &runs.runs[portion.clone()];
-            let end = runs.runs.get(portion.end).map_or(self.n_places, |run| run.place);
+            let of_portion = &runs.list[portion.clone()];
+            let end = runs.list.get(portion.end).map_or(self.n_places, |run| run.place);
             let n_kept = of_portion.iter().map(|run| run.len).sum::<usize>();
             let (next, rest) = target.split_at_mut(n_kept * *width);
             target = rest;
@@ -188,10 +188,10 @@ impl pulp::NullaryFnOnce for PortionStep<'_, '_> {
         let Self { portion, runs, now, order, terms, at, width, n_channels } = self;
         let Portion { runs: of_portion, mut next, mut outs, first_place } = portion;
         if order == Order::Zero {
-            outs.iter_mut().for_each(|out| {
-                // Places without data.
-                out.chunks_exact_mut(n_channels).for_each(|place| place[at..at + width].fill(0.0));
-            });
+            // Places without data.
+            for place in outs.iter_mut().flat_map(|out| out.chunks_exact_mut(n_channels)) {
+                place[at..at + width].fill(0.0);
+            }
         }
         let mut squares = vec![0.0; terms.len()];
         let longest = of_portion.iter().map(|run| run.len).max().unwrap_or(0);
