@@ -6,11 +6,8 @@
 
 use adwave::shape::{Graph, Shape};
 use adwave_bench_helpers::truth::{AxisNoise, TrackShape};
-use adwave_bench_helpers::{denoise_by_default, seed_parity};
+use adwave_bench_helpers::{BenchOutcome, denoise_by_default, seed_parity};
 use rayon::prelude::*;
-use std::error::Error;
-
-type BenchOutcome<T> = Result<T, Box<dyn Error>>;
 
 /// Noise in spacings.
 const NOISE: [f64; 5] = [0.05, 0.2, 0.5, 1.0, 3.0];

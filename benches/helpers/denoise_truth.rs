@@ -10,14 +10,11 @@ use adwave::shape::{PointCloud, Shape};
 use adwave_bench_helpers::truth::{
     CleanCloud, CloudNoise, CloudShape, NoisyCloud, Sensor, Tree, chamfer, into_unit_sphere,
 };
-use adwave_bench_helpers::{denoise_by_default, seed_parity};
+use adwave_bench_helpers::{BenchOutcome, denoise_by_default, seed_parity};
 use adwave_io::{ReadLimits, read_path};
 use rayon::prelude::*;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-type BenchOutcome<T> = Result<T, Box<dyn Error>>;
 
 /// Number of points of a cloud.
 const POINTS: usize = 10_000;

@@ -17,11 +17,14 @@ use rayon::prelude::*;
 use std::error::Error;
 use std::time::Instant;
 
+/// Outcome of a program that measures; any error ends it.
+pub type BenchOutcome<T> = Result<T, Box<dyn Error>>;
+
 /// Denoises a shape with the default parameters.
 ///
 /// # Errors
 /// Positions that cannot be prepared or denoised.
-pub fn denoise_by_default(shape: &Shape) -> Result<Denoised, Box<dyn Error>> {
+pub fn denoise_by_default(shape: &Shape) -> BenchOutcome<Denoised> {
     let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none())?;
     Ok(denoise(&geometry, &DenoiseParams::default(), Progress::none())?)
 }

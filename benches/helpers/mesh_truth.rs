@@ -14,15 +14,12 @@ use adwave_baselines::normal_filter::{
     BilateralParams, GuidedParams, NormalScheme, bilateral_normals, guided_normals,
 };
 use adwave_baselines::taubin::{LambdaMu, WindowedSinc, lambda_mu};
-use adwave_bench_helpers::seed_parity;
 use adwave_bench_helpers::truth::{CleanMesh, MeshNoise, MeshShape};
+use adwave_bench_helpers::{BenchOutcome, seed_parity};
 use adwave_io::{ReadLimits, read_path};
 use rayon::prelude::*;
-use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
-
-type BenchOutcome<T> = Result<T, Box<dyn Error>>;
 
 /// Names of the other methods.
 const RIVALS: [&str; 4] = ["bilateral", "guided", "Taubin", "sinc"];

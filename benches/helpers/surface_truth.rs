@@ -9,11 +9,8 @@ use adwave::shape::{PointCloud, Shape};
 use adwave_bench_helpers::truth::{
     CloudNoise, ExactCloud, ExactShape, Sampling, best_quadric_error, root_mean_square,
 };
-use adwave_bench_helpers::{CalibrationDot, calibration_svg, denoise_by_default, seed_parity};
+use adwave_bench_helpers::{BenchOutcome, CalibrationDot, calibration_svg, denoise_by_default, seed_parity};
 use rayon::prelude::*;
-use std::error::Error;
-
-type BenchOutcome<T> = Result<T, Box<dyn Error>>;
 
 /// Number of points of a cloud, of a plane in lines, and of each two sheets.
 const POINTS: usize = 8000;

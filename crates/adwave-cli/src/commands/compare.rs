@@ -113,7 +113,6 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let comparison = with_progress(global, "comparing", |progress| compare(&subject, args.method, progress))?;
 
-    let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
     let ending = match input.kind_name() {
         "image" => "tif",
         "volume" => "nii.gz",
@@ -127,14 +126,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         levels.reason,
         comparison.task
     );
-    text += &table(
-        ["", "adwave", method],
-        comparison
-            .rows
-            .iter()
-            .filter(|r| r.level.is_none())
-            .map(|r| [r.quantity.clone(), shown(r.adwave), shown(r.other)]),
-    );
+    text += &quantity_table(&comparison.rows, method);
     text += &level_table(&comparison.rows, method);
     text += "\n";
     for (name, outcomes) in [("adwave", &comparison.adwave), (method, &comparison.other)] {
@@ -148,6 +140,13 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();
     print(global, &text, &json)
+}
+
+/// A row for each quantity that is not measured by level.
+fn quantity_table(rows: &[Row], method: &str) -> String {
+    let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
+    let rows = rows.iter().filter(|row| row.level.is_none());
+    table(["", "adwave", method], rows.map(|row| [row.quantity.clone(), shown(row.adwave), shown(row.other)]))
 }
 
 /// A row for each level, and for each quantity a column by method, or a single one if they agree everywhere; empty if

@@ -141,7 +141,7 @@ fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
     }
 }
 
-/// Adds lines on the noise of a cloud by place, and on the points that did not move.
+/// Adds lines on the noise of a cloud by place, and on its points.
 fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising) {
     let [low, high] = cloud.noise_range;
     if info.noise_in_edges < NO_NOISE {
@@ -197,6 +197,11 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
     }
     let _ =
         writeln!(text, "surface: {:.0} % of the estimated noise left as it is, by risk", 100.0 * info.kept);
+    describe_points(text, info, cloud);
+}
+
+/// Adds lines on the points of a cloud that did not move, and on how far the others did.
+fn describe_points(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising) {
     if cloud.n_outliers > 0 {
         let treatment = match cloud.outliers {
             Outliers::Pull => "moved to the surface of the neighbors",

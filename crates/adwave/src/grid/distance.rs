@@ -26,7 +26,7 @@ impl Grid {
         // Each round turns the first axis into the last, so that lines are written one after another.
         for axis in 0..self.axes.sizes.len() {
             let (size, spacing) = (self.axes.sizes[axis], self.axes.spacings[axis]);
-            let line = Line { size, spacing, is_ring: self.axes.is_periodic[axis], stride: n / size };
+            let line = SampledLine { size, spacing, is_ring: self.axes.is_periodic[axis], stride: n / size };
             parallel::try_visit_rows(&mut others, size, LINES_AT_A_TIME, progress, |first, rows| {
                 let mut envelope = Vec::new();
                 for (k, row) in rows.chunks_exact_mut(size).enumerate() {
@@ -44,7 +44,7 @@ impl Grid {
 }
 
 /// Lines of places along an axis.
-struct Line {
+struct SampledLine {
     size: usize,
     spacing: f64,
     is_ring: bool,
@@ -52,7 +52,7 @@ struct Line {
     stride: usize,
 }
 
-impl Line {
+impl SampledLine {
     /// Computes `min_q given[q·stride] + h²(p − q)²` for each p into `out`. `envelope` holds the parabolas that are lowest
     /// somewhere: their q and value, and where they begin to be lowest, in places.
     fn find_distances(&self, given: &[f64], envelope: &mut Vec<(f64, f64, f64)>, out: &mut [f64]) {

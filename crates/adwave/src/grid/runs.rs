@@ -1,7 +1,7 @@
 //! The second differences of a grid over the places with data alone, in runs along the last axis.
 //!
 //! Vectors hold the places with data in the order of the grid and no others, so that a volume costs what its mask holds.
-//! Adjacent places of a run are adjacent in memory. A [`Link`] joins a part of a run to as many places on one of its other
+//! Adjacent places of a run are adjacent in memory. A [`RunLink`] joins a part of a run to as many places on one of its other
 //! sides, so that no step asks whether a place has data.
 
 // Functions that are compiled for the vectors of the machine must be inlined into the place that chooses these.
@@ -33,7 +33,7 @@ pub(super) struct Run {
 
 /// A part of a run and the places on one side of it, among those with data.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct RunLink {
     here: u32,
     there: u32,
     len: u32,
@@ -44,7 +44,7 @@ struct Link {
 #[derive(Clone, Debug)]
 pub(super) struct Runs {
     pub(super) list: Vec<Run>,
-    links: Vec<Link>,
+    links: Vec<RunLink>,
     /// Weight of a difference along each axis.
     weights: [f64; MAX_AXES],
     /// Number of places with data.
@@ -83,7 +83,7 @@ impl Runs {
                         let (here, there) = (start + from + (low - other), run.start + (low - run.place));
                         let [here, there, len, axis] =
                             [here, there, high - low, axis].map(|value| value as u32);
-                        links.push(Link { here, there, len, axis });
+                        links.push(RunLink { here, there, len, axis });
                     }
                 }
             };

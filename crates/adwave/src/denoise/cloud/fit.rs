@@ -1,7 +1,7 @@
 //! Frames of neighborhoods, and planes and quadrics fitted to the heights of points over them.
 
 use super::NEIGHBORS;
-use super::lanes::{FitSums, LANES, Lanes, exps, load, sum};
+use super::lanes::{FitSums, FourValues, LANES, exps, load, sum};
 use crate::vector::{Vector, add_scaled, dot, subtract};
 use pulp::{Arch, NullaryFnOnce};
 
@@ -63,15 +63,15 @@ impl NullaryFnOnce for SpreadSums<'_> {
                 }
                 is_there[lane] = 1.0;
             }
-            let [a, b, c] = offsets.map(Lanes);
-            let weights = Lanes(is_there) * exps((a * a + b * b + c * c) * self.scale);
+            let [a, b, c] = offsets.map(FourValues);
+            let weights = FourValues(is_there) * exps((a * a + b * b + c * c) * self.scale);
             let (wa, wb, wc) = (weights * a, weights * b, weights * c);
             let all = [weights, wa, wb, wc, wa * a, wa * b, wa * c, wb * b, wb * c, wc * c];
             for (sum, part) in sums.iter_mut().zip(all) {
-                *sum = (Lanes(*sum) + part).0;
+                *sum = (FourValues(*sum) + part).0;
             }
         }
-        sums.map(|lanes| sum(Lanes(lanes)))
+        sums.map(|lanes| sum(FourValues(lanes)))
     }
 }
 
@@ -142,8 +142,8 @@ pub(super) fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
 
 /// [`basis`] of several neighbors.
 #[inline(always)]
-fn lane_basis<const N: usize>([u, v]: [Lanes; 2]) -> [Lanes; N] {
-    let all = [Lanes([1.0; LANES]), u, v, u * u, u * v, v * v];
+fn lane_basis<const N: usize>([u, v]: [FourValues; 2]) -> [FourValues; N] {
+    let all = [FourValues([1.0; LANES]), u, v, u * u, u * v, v * v];
     std::array::from_fn(|k| all[k])
 }
 
@@ -181,7 +181,7 @@ impl Heights {
 
     /// Tangential coordinates and heights of the neighbors from `k` on.
     #[inline(always)]
-    fn lanes(&self, k: usize) -> ([Lanes; 2], Lanes) {
+    fn lanes(&self, k: usize) -> ([FourValues; 2], FourValues) {
         let [u, v] = &self.tangential;
         ([load(u, k), load(v, k)], load(&self.over_plane, k))
     }
@@ -206,7 +206,7 @@ impl Heights {
             let own = load(by_distance, k) * exps(residuals * residuals * scale);
             weights[k..k + LANES].copy_from_slice(&own.0);
         }
-        let center = exps(Lanes([scale * coefficients[0] * coefficients[0]; LANES])).0[0];
+        let center = exps(FourValues([scale * coefficients[0] * coefficients[0]; LANES])).0[0];
         let (fit, _) = self.solve::<N>(&weights, center)?;
         Some(HeightFit { variance: fit.variance * center, ..fit })
     }
@@ -223,7 +223,7 @@ impl Heights {
         for k in (0..self.n).step_by(LANES) {
             let (place, heights) = self.lanes(k);
             let weights = load(weights, k).0.map(|w| if w < LEAST_WEIGHT { 0.0 } else { w });
-            sums.add(Lanes(weights), place, heights);
+            sums.add(FourValues(weights), place, heights);
         }
         let (mut matrix, right) = sums.equations();
         matrix[0][0] += center;

@@ -8,9 +8,9 @@ pub(super) const LANES: usize = 4;
 
 /// Values that are computed side by side.
 #[derive(Clone, Copy)]
-pub(super) struct Lanes(pub(super) [f64; LANES]);
+pub(super) struct FourValues(pub(super) [f64; LANES]);
 
-impl Add for Lanes {
+impl Add for FourValues {
     type Output = Self;
 
     #[inline(always)]
@@ -20,7 +20,7 @@ impl Add for Lanes {
     }
 }
 
-impl Sub for Lanes {
+impl Sub for FourValues {
     type Output = Self;
 
     #[inline(always)]
@@ -30,7 +30,7 @@ impl Sub for Lanes {
     }
 }
 
-impl Mul for Lanes {
+impl Mul for FourValues {
     type Output = Self;
 
     #[inline(always)]
@@ -40,7 +40,7 @@ impl Mul for Lanes {
     }
 }
 
-impl Mul<f64> for Lanes {
+impl Mul<f64> for FourValues {
     type Output = Self;
 
     #[inline(always)]
@@ -51,13 +51,13 @@ impl Mul<f64> for Lanes {
 
 /// Values from `k` on; there must be so many.
 #[inline(always)]
-pub(super) fn load(values: &[f64], k: usize) -> Lanes {
+pub(super) fn load(values: &[f64], k: usize) -> FourValues {
     let values = &values[k..k + LANES];
-    Lanes([values[0], values[1], values[2], values[3]])
+    FourValues([values[0], values[1], values[2], values[3]])
 }
 
 #[inline(always)]
-pub(super) fn sum(Lanes([a, b, c, d]): Lanes) -> f64 {
+pub(super) fn sum(FourValues([a, b, c, d]): FourValues) -> f64 {
     (a + b) + (c + d)
 }
 
@@ -72,17 +72,17 @@ const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
 
 /// e^x for x ≤ 0, to 1e-15 of it: 2^k·e^r with |r| ≤ ln 2 / 2, and e^r by its series.
 #[inline(always)]
-pub(super) fn exps(x: Lanes) -> Lanes {
-    let x = Lanes(x.0.map(|x| if x > LEAST { x } else { LEAST }));
-    let rounded = x * LOG2_E + Lanes([ROUNDER; LANES]);
-    let k = rounded - Lanes([ROUNDER; LANES]);
+pub(super) fn exps(x: FourValues) -> FourValues {
+    let x = FourValues(x.0.map(|x| if x > LEAST { x } else { LEAST }));
+    let rounded = x * LOG2_E + FourValues([ROUNDER; LANES]);
+    let k = rounded - FourValues([ROUNDER; LANES]);
     let r = x - k * LN_2[0] - k * LN_2[1];
-    let mut series = Lanes([SERIES[SERIES.len() - 1]; LANES]);
+    let mut series = FourValues([SERIES[SERIES.len() - 1]; LANES]);
     for coefficient in SERIES[..SERIES.len() - 1].iter().rev() {
-        series = series * r + Lanes([*coefficient; LANES]);
+        series = series * r + FourValues([*coefficient; LANES]);
     }
     let power = rounded.0.map(|t| f64::from_bits((t.to_bits() << 52).wrapping_add(1.0_f64.to_bits())));
-    series * Lanes(power)
+    series * FourValues(power)
 }
 
 /// 1/n! for n = 0, 1, … 12.
@@ -108,22 +108,22 @@ const DEGREES: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]
 /// Sums for a fit of N = 3 (a plane) or 6 (a quadric) functions of u and v.
 pub(super) struct FitSums<const N: usize> {
     /// Of the weights times u^i·v^j, by the degree i + j ≤ 4 (of a plane 2) and then by j.
-    moments: [Lanes; 15],
+    moments: [FourValues; 15],
     /// Of the weights times heights and each function.
-    right: [Lanes; N],
+    right: [FourValues; N],
 }
 
 impl<const N: usize> Default for FitSums<N> {
     #[inline(always)]
     fn default() -> Self {
-        Self { moments: [Lanes([0.0; LANES]); 15], right: [Lanes([0.0; LANES]); N] }
+        Self { moments: [FourValues([0.0; LANES]); 15], right: [FourValues([0.0; LANES]); N] }
     }
 }
 
 impl<const N: usize> FitSums<N> {
     /// Adds neighbors at [u, v].
     #[inline(always)]
-    pub(super) fn add(&mut self, w: Lanes, [u, v]: [Lanes; 2], heights: Lanes) {
+    pub(super) fn add(&mut self, w: FourValues, [u, v]: [FourValues; 2], heights: FourValues) {
         let (wu, wv) = (w * u, w * v);
         let all = [w, wu, wv, wu * u, wu * v, wv * v];
         self.add_at(0, all);
@@ -138,7 +138,7 @@ impl<const N: usize> FitSums<N> {
     }
 
     #[inline(always)]
-    fn add_at<const M: usize>(&mut self, first: usize, products: [Lanes; M]) {
+    fn add_at<const M: usize>(&mut self, first: usize, products: [FourValues; M]) {
         for (sum, product) in self.moments[first..first + M].iter_mut().zip(products) {
             *sum = *sum + product;
         }
@@ -168,13 +168,13 @@ mod tests {
     fn exponentials_are_those_of_the_library() {
         for i in 0..70_000 {
             let x = -0.01 * f64::from(i);
-            let own = exps(Lanes([x, 0.5 * x, 0.001 * x, 1e-9 * x])).0;
+            let own = exps(FourValues([x, 0.5 * x, 0.001 * x, 1e-9 * x])).0;
             for (own, x) in own.into_iter().zip([x, 0.5 * x, 0.001 * x, 1e-9 * x]) {
                 assert!((own / x.exp() - 1.0).abs() < 1e-15 * (1.0 + x.abs()), "{x}: {own}");
             }
         }
         assert_eq!(
-            exps(Lanes([0.0, f64::NEG_INFINITY, -1e300, f64::NAN])).0.map(|e| e < 1e-300),
+            exps(FourValues([0.0, f64::NEG_INFINITY, -1e300, f64::NAN])).0.map(|e| e < 1e-300),
             [false, true, true, true]
         );
     }
@@ -186,8 +186,8 @@ mod tests {
         let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
         for part in 0..3 {
             let at = |lane: usize| LANES * part + lane;
-            let along = |axis: usize| Lanes(std::array::from_fn(|lane| place(at(lane))[axis]));
-            let values = |f: fn(usize) -> f64| Lanes(std::array::from_fn(|lane| f(at(lane))));
+            let along = |axis: usize| FourValues(std::array::from_fn(|lane| place(at(lane))[axis]));
+            let values = |f: fn(usize) -> f64| FourValues(std::array::from_fn(|lane| f(at(lane))));
             let (weight, height): (fn(usize) -> f64, fn(usize) -> f64) =
                 (|k| 1.0 / (k + 1) as f64, |k| (k * k) as f64);
             sums.add(values(weight), [along(0), along(1)], values(height));

@@ -8,7 +8,7 @@
 //! closer to the root mean square than that of normal deviates (Geary's ratio).
 
 use super::fit::{FitFrame, basis, factorize, principal_axes, substitute};
-use super::lanes::{FitSums, LANES, Lanes};
+use super::lanes::{FitSums, FourValues, LANES};
 use super::{CAUTION, FARTHEST, LINE_RATIO, NEIGHBORS, NOTHING, NearestRows, quantile};
 use crate::denoise::noise_level::median;
 use crate::denoise::params::StrongNoise;
@@ -183,7 +183,7 @@ impl NullaryFnOnce for MemberSums<'_> {
                 let (height, place) = self.fit.local(&self.points[y as usize]);
                 (weights[lane], u[lane], v[lane], heights[lane]) = (1.0, place[0], place[1], height);
             }
-            sums.add(Lanes(weights), [Lanes(u), Lanes(v)], Lanes(heights));
+            sums.add(FourValues(weights), [FourValues(u), FourValues(v)], FourValues(heights));
         }
         sums.equations()
     }
