@@ -233,18 +233,17 @@ fn weak_coarse_bands_are_computed_by_finer_leaps() {
         wave(60.0) + 1e-4 * wave(1.0)
     });
     let schedule = Schedule::dyadic(12).unwrap();
-    for accuracy in [1e-4, 1e-6] {
-        let request = decomposer(&grid);
-        let bands = request.request(&values, 1, &schedule).accuracy(accuracy).bands().unwrap();
-        assert_eq!(bands.info.engine, Engine::Leaps, "{accuracy:e}");
-        assert!(bands.info.error_bound <= accuracy);
-        let series = BandsParams::default().with_engine(Engine::Chebyshev);
-        let exact = request.request(&values, 1, &schedule).params(&series).bands().unwrap();
-        for (a, b) in bands.wavelets().zip(exact.wavelets()) {
-            let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
-            let off = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
-            assert!(off <= accuracy * norm(&mut b.iter().copied()), "{off:e} to {accuracy:e}");
-        }
+    let accuracy = 1e-4;
+    let request = decomposer(&grid);
+    let bands = request.request(&values, 1, &schedule).accuracy(accuracy).bands().unwrap();
+    assert_eq!(bands.info.engine, Engine::Leaps);
+    assert!(bands.info.error_bound <= accuracy);
+    let series = BandsParams::default().with_engine(Engine::Chebyshev);
+    let exact = request.request(&values, 1, &schedule).params(&series).bands().unwrap();
+    for (a, b) in bands.wavelets().zip(exact.wavelets()) {
+        let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+        let off = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
+        assert!(off <= accuracy * norm(&mut b.iter().copied()), "{off:e}");
     }
 }
 
