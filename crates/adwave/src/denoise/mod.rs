@@ -203,7 +203,7 @@ fn denoise_cloud(
     let noise = cloud::CloudNoise::new(&points, &near, given, strong.as_ref(), progress)?;
     progress.step(2, STAGES)?;
     let mut found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
-    found.info = CloudDenoising { strong, neighbors, residual_ratio, ..found.info };
+    found.info = CloudDenoising { neighbors, strong, residual_ratio, ..found.info };
     progress.step(4, STAGES)?;
     let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
     let map = geometry.vertex_map();

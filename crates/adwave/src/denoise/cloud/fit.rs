@@ -1,5 +1,8 @@
 //! Frames of neighborhoods, and planes and quadrics fitted to the heights of points over them.
 
+// Code compiled for several instruction sets must be inlined into the function that selects one.
+#![allow(clippy::inline_always)]
+
 use super::NEIGHBORS;
 use super::lanes::{FitSums, FourValues, LANES, exps, load, sum};
 use crate::vector::{Vector, add_scaled, dot, subtract};

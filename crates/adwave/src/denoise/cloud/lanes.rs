@@ -1,5 +1,8 @@
 //! Sums over neighbors, several at a time, with the same bits on every processor.
 
+// Code compiled for several instruction sets must be inlined into the function that selects one.
+#![allow(clippy::inline_always)]
+
 use std::f64::consts::LOG2_E;
 use std::ops::{Add, Mul, Sub};
 

@@ -7,6 +7,9 @@
 //! one sheet, points move by patches alone. Two sheets are told by the mean of their absolute residuals, which is
 //! closer to the root mean square than that of normal deviates (Geary's ratio).
 
+// Code compiled for several instruction sets must be inlined into the function that selects one.
+#![allow(clippy::inline_always)]
+
 use super::fit::{FitFrame, basis, factorize, principal_axes, substitute};
 use super::lanes::{FitSums, FourValues, LANES};
 use super::{CAUTION, FARTHEST, LINE_RATIO, NEIGHBORS, NOTHING, NearestRows, quantile};
