@@ -101,7 +101,9 @@ impl TrackShape {
             })
             .collect();
         if axes == AxisNoise::RoundedHeights {
-            noisy.iter_mut().for_each(|p| p[2] = (p[2] / ROUNDING).round() * ROUNDING);
+            for p in &mut noisy {
+                p[2] = (p[2] / ROUNDING).round() * ROUNDING;
+            }
             deviations[2] = deviations[2].hypot(ROUNDING / 12.0_f64.sqrt());
         }
         NoisyTrack { clean, noisy, deviations }
@@ -125,7 +127,9 @@ impl TrackShape {
                     *step = (TAU * waves * k as f64 / n as f64 + phase).sin().exp();
                 }
                 let mean = steps.iter().sum::<f64>() / steps.len() as f64;
-                steps.iter_mut().for_each(|step| *step /= mean);
+                for step in &mut steps {
+                    *step /= mean;
+                }
             }
             Self::RandomSpacing => steps.fill_with(|| random.uniform_in(0.5, 1.5)),
             _ => {}
