@@ -190,10 +190,10 @@ mod tests {
         for part in 0..3 {
             let at = |lane: usize| LANES * part + lane;
             let along = |axis: usize| FourValues(std::array::from_fn(|lane| place(at(lane))[axis]));
-            let values = |f: fn(usize) -> f64| FourValues(std::array::from_fn(|lane| f(at(lane))));
-            let (weight, height): (fn(usize) -> f64, fn(usize) -> f64) =
-                (|k| 1.0 / (k + 1) as f64, |k| (k * k) as f64);
-            sums.add(values(weight), [along(0), along(1)], values(height));
+            let weight = |k: usize| 1.0 / (k + 1) as f64;
+            let height = |k: usize| (k * k) as f64;
+            let values = |f: &dyn Fn(usize) -> f64| FourValues(std::array::from_fn(|lane| f(at(lane))));
+            sums.add(values(&weight), [along(0), along(1)], values(&height));
             for k in (0..LANES).map(at) {
                 let f = super::super::fit::basis::<6>(place(k));
                 for i in 0..6 {
