@@ -83,7 +83,7 @@ class Raster:
         # The outer half of a cell at the border lies beyond all centers, and has the value of the nearest.
         position = (_planar(points, "points") - self.origin) / self.cell
         half = 0.5 * np.array(given.shape[::-1])
-        inside = (np.abs(position - (half - 0.5)) <= half).all(axis=1)
+        inside: NDArray[np.bool_] = np.all(np.abs(position - (half - 0.5)) <= half, axis=1)
         low = np.floor(np.where(inside[:, None], position, 0.0)).astype(np.int64)
         part = np.where(inside[:, None], position, 0.0) - low
         total, weights = np.zeros(len(low)), np.zeros(len(low))
@@ -135,7 +135,9 @@ def rasterize(
     planar = _planar(points, "points")
     if statistic not in _STATISTICS:
         raise ValueError(f"statistic must be one of {', '.join(map(repr, _STATISTICS))}, got {statistic!r}")
-    if isinstance(cell, (str, bool)) or not (np.isscalar(cell) and np.isfinite(cell) and cell > 0):
+    length: Any = cell
+    is_number = isinstance(length, (int, float, np.integer, np.floating)) and not isinstance(length, bool)
+    if not (is_number and np.isfinite(length) and length > 0):
         raise ValueError(f"cell must be a length above 0 in model units, as in rasterize(points, 1.0), got {cell!r}")
     if values is None:
         position = _positions(points, "points")
