@@ -275,7 +275,7 @@ impl NoisyTrack {
     }
 }
 
-/// Quadratics in the parameter over `size` vertices on either side of `x`, where there are so many, at `x`; the mean
+/// Quadratics in the parameter over up to `size` vertices on either side of `x`, at `x`; the mean
 /// where the parameters determine no quadratic.
 fn quadratic(parameter: &[f64], points: &[[f64; 3]], x: usize, size: usize) -> [f64; 3] {
     let window = x.saturating_sub(size)..x.saturating_add(size).saturating_add(1).min(points.len());

@@ -28,7 +28,7 @@ _SEED = 37
 class Operator:
     """A diffusion on a device: prepared once, then each call multiplies there and copies nothing to the CPU.
 
-    All functions of `adwave.torch` take it in place of a shape. Bands are polynomials of Φ₁ in the type of the operator; the
+    All functions of `adwave.torch` take it where they take a shape. Bands are polynomials of Φ₁ in the type of the operator; the
     first product, ``(I − Φ₁)f``, is always in double precision. On a GPU one kernel a step (by Triton) makes the product,
     the recurrence and the sums of the bands; where Triton is missing, or where some rows are much longer than the mean,
     PyTorch's sparse products do.
@@ -417,7 +417,7 @@ def _heat_rate(own: Decomposer, step: Any, share: NDArray[np.float64]) -> float:
 
 
 def positive_share(step: Any, welded: NDArray[np.integer[Any]], share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Shares of vertices in the stationary distribution, with 1 in place of the 0 of isolated vertices, which take no step."""
+    """Shares of vertices in the stationary distribution; 1 at isolated vertices, which take no step."""
     return np.where((share == 0) & (step.diagonal()[welded] == 1.0), 1.0, share)
 
 

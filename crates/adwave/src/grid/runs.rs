@@ -138,6 +138,7 @@ impl Runs {
             }
         }
     }
+
     /// Calls `work(run, values)` for the values of each run, in parallel; `values` are places with data × channels.
     pub(super) fn visit(
         &self,

@@ -52,7 +52,7 @@ impl Mul<f64> for FourValues {
     }
 }
 
-/// Values from `k` on; there must be so many.
+/// Four values from `k` on. Panics if there are fewer.
 #[inline(always)]
 pub(super) fn load(values: &[f64], k: usize) -> FourValues {
     let values = &values[k..k + LANES];

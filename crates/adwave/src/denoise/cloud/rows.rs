@@ -39,7 +39,7 @@ const FENCE: f64 = 0.35;
 const FENCE_TURN: f64 = 0.7;
 const ALONG: f64 = 0.35;
 
-/// A place is in lines if one in so many of the points around it is.
+/// A place is in lines if more than a third of the points around it are: one in three.
 const LINE_PART: usize = 3;
 
 /// Neighbors of each point in the order of their distances.
