@@ -184,7 +184,7 @@ def public(order: Order | None = None, **renamed: str) -> Callable[[_Function], 
                 trace = error.__traceback__
                 if trace is None or trace.tb_next is not None:
                     raise
-                misfit = import_module("adwave._unknown").misfit
+                misfit = import_module("adwave._misfit").misfit
                 raise TypeError(misfit(function, arguments, options, str(error))) from None
 
         return call  # type: ignore[return-value]

@@ -16,11 +16,12 @@ from adwave._caller import public
 from adwave._deform import CloneOptions, CloneResult, Deformer
 from adwave._diffusion import PreparedShape
 from adwave._layout import Layout, float_type, region_weights
+from adwave._misfit import refuse_unknown
 from adwave._native import FWHM
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
-from adwave._unknown import refuse_unknown, unknown_member
+from adwave._unknown import unknown_member
 from adwave._viewer import bands_html
 
 if TYPE_CHECKING:
@@ -303,7 +304,7 @@ class Bands(NDArrayOperatorsMixin):
         return self.array.T
 
     if TYPE_CHECKING:
-        # What numpy's mixin gives, with its types.
+        # The operations of numpy's mixin, with its types.
         def __add__(self, other: object) -> NDArray[np.float64]: ...
         def __radd__(self, other: object) -> NDArray[np.float64]: ...
         def __sub__(self, other: object) -> NDArray[np.float64]: ...

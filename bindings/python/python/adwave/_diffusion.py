@@ -13,6 +13,7 @@ from adwave import _native
 from adwave._caller import public, warn
 from adwave._layout import Layout, coordinates, float_type, region_weights, signal_values, without_unknown
 from adwave._methods import Carrier
+from adwave._misfit import line_with
 from adwave._options import (
     BandsRequest,
     Length,
@@ -29,7 +30,6 @@ from adwave._options import (
 from adwave._own_operator import GivenOperator, LaplacianLike
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
-from adwave._unknown import line_with
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

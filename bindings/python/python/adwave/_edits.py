@@ -24,6 +24,7 @@ from adwave._decomposer import (
 )
 from adwave._diffusion import smoothing_levels
 from adwave._layout import Layout, float_type
+from adwave._misfit import is_number, misfit, working_line
 from adwave._options import (
     BandsRequest,
     Constraints,
@@ -37,10 +38,10 @@ from adwave._options import (
     as_operator,
     levels_of,
 )
+from adwave._other_names import PRESETS
 from adwave._part import NoiseModel, Part, default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
-from adwave._unknown import PRESETS, is_number, misfit, working_line
 from adwave._walk import Walk
 
 if TYPE_CHECKING:

@@ -28,9 +28,9 @@ from adwave._grid_objects import find_grid, results_like
 from adwave._layout import Layout, float_type
 from adwave._measures import FeatureOptions, Features, Saliency, SaliencyOptions, Weighting, features, saliency
 from adwave._methods import Members
+from adwave._misfit import line_with, working_line
 from adwave._options import Length, LevelsLike, Numbers, Steps, Widths, check_steps
 from adwave._progress import ProgressLike
-from adwave._unknown import line_with, working_line
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

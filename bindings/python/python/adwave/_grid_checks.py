@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from adwave._grid_layout import GridLayout, plain_array
 from adwave._grid_objects import FoundGrid, check_same_places, find_grid
+from adwave._misfit import refuse_unknown
 from adwave._options import LevelsLike, Widths, levels_of
-from adwave._unknown import refuse_unknown
 
 
 def check_spacings(spacing: Any, layout: GridLayout) -> tuple[float, ...]:

@@ -13,10 +13,10 @@ from adwave import _native
 from adwave._caller import Call, public
 from adwave._decomposer import Where, prepare_decomposer
 from adwave._layout import Layout, region_weights
+from adwave._misfit import working_line
 from adwave._options import Length, OperatorLike, check_levels
 from adwave._part import exact_operator, read_part
 from adwave._shape import Path
-from adwave._unknown import working_line
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -19,11 +19,7 @@ from adwave._caller import Call
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
 from adwave._grid_objects import library_of_grid
 from adwave._layout import Layout, region_weights, signal_values
-from adwave._options import Constraints, Length, LevelOptions, LevelsLike, OperatorLike, SignalLike, as_operator
-from adwave._progress import ProgressLike
-from adwave._shape import Conditions, Path, Shape, as_shape
-from adwave._unknown import (
-    NEIGHBOR_NAMES,
+from adwave._misfit import (
     SURPLUS,
     is_number,
     is_square,
@@ -34,6 +30,10 @@ from adwave._unknown import (
     working_line,
     wrap_grid,
 )
+from adwave._options import Constraints, Length, LevelOptions, LevelsLike, OperatorLike, SignalLike, as_operator
+from adwave._other_names import NEIGHBOR_NAMES
+from adwave._progress import ProgressLike
+from adwave._shape import Conditions, Path, Shape, as_shape
 
 
 class PartOptions(TypedDict, total=False):

@@ -14,9 +14,9 @@ from adwave import _adapt, _native
 from adwave._caller import Call, public, warn
 from adwave._deform import Deformer
 from adwave._methods import Carrier
+from adwave._misfit import working_line
 from adwave._notebook import shape_html
 from adwave._progress import ProgressLike, report_progress
-from adwave._unknown import working_line
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
