@@ -308,18 +308,23 @@ impl Decomposer {
             Some(geometry) => geometry.unit_points(progress)?.0,
             None => Cow::Borrowed(self.positions()),
         };
-        let rows = transform.operator().rows().map_or_else(|| self.step_rows(), Arc::as_ref);
+        let rows = match transform.operator().rows() {
+            Some(rows) => rows,
+            None => self.step_rows(progress)?,
+        };
         LinearTransform::new(transform, rows, &points, domain, !self.domain.may_fill_volume(), progress)
     }
 
     /// Rows of steps between neighbors: those of the operator, or of a walk over the neighbors of the domain.
-    pub(crate) fn step_rows(&self) -> &Diffusion {
-        match self.operator().rows() {
-            Some(rows) => rows,
-            None => {
-                self.neighbor_walk.get_or_init(|| Arc::new(Diffusion::from_neighbor_lists(self.neighbors())))
-            }
+    pub(crate) fn step_rows(&self, progress: Progress<'_>) -> Result<&Diffusion, Cancelled> {
+        if let Some(rows) = self.operator().rows() {
+            return Ok(rows);
         }
+        if self.neighbor_walk.get().is_none() {
+            let walk = Diffusion::from_neighbor_lists(self.try_neighbors(progress)?, progress)?;
+            let _ = self.neighbor_walk.set(Arc::new(walk));
+        }
+        Ok(self.neighbor_walk.get().expect("set above"))
     }
 
     /// One-ring of a mesh without the masked vertices; elsewhere the neighbors of one step.
@@ -354,7 +359,7 @@ impl Decomposer {
         Ok(Some(self.neighbors.get_or_init(|| stated)))
     }
 
-    fn try_neighbors(&self, progress: Progress<'_>) -> Result<&Adjacency, Cancelled> {
+    pub(crate) fn try_neighbors(&self, progress: Progress<'_>) -> Result<&Adjacency, Cancelled> {
         match self.stated_neighbors(progress)? {
             Some(stated) => Ok(stated),
             None => Ok(self.neighbor_rows().neighbors()),

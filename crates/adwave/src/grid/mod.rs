@@ -22,7 +22,7 @@
 
 mod distance;
 mod heat;
-mod lines;
+pub(crate) mod lines;
 mod places;
 mod runs;
 mod steps;
@@ -35,7 +35,6 @@ use crate::shape::{Adjacency, VertexMap, squared_distance};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use std::any::Any;
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
@@ -328,31 +327,11 @@ impl Domain for Grid {
     }
 
     fn neighbors(&self, progress: Progress<'_>) -> Result<Option<Cow<'_, Adjacency>>, Cancelled> {
-        /// Places that a thread lists at a time.
-        const PLACES_AT_A_TIME: usize = 1 << 14;
-        let n = self.n_places();
-        let listed = |(): &mut (), places: Range<usize>| {
-            let (mut ends, mut columns) = (Vec::with_capacity(places.len()), Vec::new());
-            let mut row = Vec::with_capacity(2 * MAX_AXES);
-            for place in places {
-                row.extend(self.sides(place).map(|other| other as u32));
-                row.sort_unstable();
-                row.dedup(); // on a ring of two places, those before and after are the same
-                columns.append(&mut row);
-                ends.push(columns.len());
-            }
-            (ends, columns)
+        let listed = |(): &mut (), place: usize, others: &mut Vec<u32>| {
+            others.extend(self.sides(place).map(|other| other as u32));
         };
-        let parts = parallel::try_map_chunks(n, PLACES_AT_A_TIME, progress, || (), listed)?;
-        let n_columns = parts.iter().map(|(_, columns)| columns.len()).sum();
-        let (mut offsets, mut columns) = (Vec::with_capacity(n + 1), Vec::with_capacity(n_columns));
-        offsets.push(0);
-        for (ends, part) in parts {
-            offsets.extend(ends.into_iter().map(|end| columns.len() + end));
-            columns.extend(part);
-        }
-        let adjacency = Adjacency::new(offsets, columns, n).expect("rows of places in ascending order");
-        Ok(Some(Cow::Owned(adjacency)))
+        Adjacency::from_neighbors(self.n_places(), progress, || (), listed)
+            .map(|listed| Some(Cow::Owned(listed)))
     }
 
     fn outsiders(&self) -> Option<Vec<bool>> {

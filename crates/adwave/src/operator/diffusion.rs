@@ -383,17 +383,20 @@ impl Diffusion {
 
     /// Lazy walk to each neighbor with the same probability: `Φ₁(x,y) = 1/(2·n_x)` for the n_x neighbors y of x. It is
     /// reversible if the neighbors are symmetric, as those of a domain are. The step length is in hops. O(entries).
-    pub(crate) fn from_neighbor_lists(neighbors: &Adjacency) -> Self {
-        let weights = (0..neighbors.n_rows())
-            .flat_map(|x| {
-                let n = neighbors.row(x).len();
-                std::iter::repeat_n(0.5 / n as f64, n)
-            })
-            .collect();
+    pub(crate) fn from_neighbor_lists(
+        neighbors: &Adjacency,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let n = neighbors.n_rows();
+        let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+            let others = neighbors.row(x);
+            columns.extend_from_slice(others);
+            weights.resize(columns.len(), 0.5 / others.len() as f64);
+        };
+        let rows = CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?;
         let total = neighbors.nnz().max(1) as f64;
-        let stationary = (0..neighbors.n_rows()).map(|x| neighbors.row(x).len() as f64 / total).collect();
-        let rows = CompressedRows::new_unchecked(neighbors.clone(), weights);
-        Self::from_given(rows, stationary, 0.5_f64.sqrt(), true, Semigroup::Steps)
+        let stationary = parallel::try_collect(n, progress, |x| neighbors.row(x).len() as f64 / total)?;
+        Ok(Self::from_given(rows, stationary, 0.5_f64.sqrt(), true, Semigroup::Steps))
     }
 
     /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, with ascending columns;
