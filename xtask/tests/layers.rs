@@ -77,7 +77,7 @@ const LAYERS: [&[&str]; 20] = [
     &["mask", "sample", "signal", "basis", "local_fit"],
     &["domain"],
     &["grid"],
-    &["region"],
+    &["region", "time"],
     &["filter"],
     &["decomposer"],
     &["editor", "positions", "denoise"],

@@ -83,6 +83,7 @@ pub mod sample;
 pub mod shape;
 pub mod signal;
 pub mod sparse;
+pub mod time;
 pub mod vector;
 
 pub use decomposer::{BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions};

@@ -1,6 +1,6 @@
 //! Heat on a grid: a stencil, and all steps at once where every place has data.
 
-use super::lines::{APPROXIMATIONS, Lines};
+use super::lines::{APPROXIMATIONS, LineKind, Lines};
 use super::runs::Runs;
 use super::steps::RunSteps;
 use super::{Axes, MAX_AXES};
@@ -130,7 +130,8 @@ impl Leap for GridHeat {
         let mut bound = 0.0;
         for axis in self.axes.long() {
             let time = 0.25 * n_steps * self.side_weight(axis);
-            let lines = Lines::new(&self.axes, axis, n_channels);
+            let kind = if self.axes.is_periodic[axis] { LineKind::Ring } else { LineKind::Even };
+            let lines = Lines::new(self.axes.sizes[axis], self.axes.stride(axis) * n_channels, kind);
             lines.diffuse(out, time, approximation, progress)?;
             // Heat never increases the norm, so that the errors add up to their product.
             let error = lines.error(time, approximation);

@@ -11,7 +11,6 @@
 // Functions that are compiled for the vectors of the machine must be inlined into the place that chooses these.
 #![allow(clippy::inline_always)]
 
-use super::Axes;
 use crate::{Cancelled, Progress, parallel};
 
 /// Lines that are solved together.
@@ -34,16 +33,16 @@ const LEVELED: f64 = 10.0;
 type Complex = (f64, f64);
 
 /// A rational approximation of the exponential on (−∞, 0].
-pub(super) struct Approximation {
+pub(crate) struct Approximation {
     /// Poles with a positive imaginary part, and their residues.
     pairs: &'static [(Complex, Complex)],
     /// Greatest error, with that of rounding.
-    pub(super) error: f64,
+    pub(crate) error: f64,
 }
 
 /// Approximations with 4 and 7 pairs of poles. The errors of the functions are 2.345e-8 and 1.43e-13 (measured at 400,000
 /// points); the second is stated with the rounding of its solves.
-pub(super) static APPROXIMATIONS: [Approximation; 2] = [
+pub(crate) static APPROXIMATIONS: [Approximation; 2] = [
     Approximation {
         pairs: &[
             ((3.2209452450543408, 1.1936196054193322), (-1.8317717106328966, -9.525608129943738)),
@@ -68,77 +67,102 @@ pub(super) static APPROXIMATIONS: [Approximation; 2] = [
 ];
 
 /// The lines of values along one axis.
-pub(super) struct Lines {
+pub(crate) struct Lines<'a> {
     /// Places of a line.
     n: usize,
     /// Distance between the values of adjacent places, which is also the number of lines side by side.
     inner: usize,
-    is_periodic: bool,
+    kind: LineKind<'a>,
 }
 
-impl Lines {
-    /// The lines along `axis` of a signal with `n_channels` values for each place.
-    pub(super) fn new(axes: &Axes, axis: usize, n_channels: usize) -> Self {
-        let (n, inner) = (axes.sizes[axis], axes.stride(axis) * n_channels);
-        Self { n, inner, is_periodic: axes.is_periodic[axis] }
+/// How the places of a line are joined.
+#[derive(Clone, Copy)]
+pub(crate) enum LineKind<'a> {
+    /// Places at equal distances; the ends reflect.
+    Even,
+    /// Places at equal distances; the last is beside the first.
+    Ring,
+    /// The weights of the places before and after each, `1/(m·d)` with the measure m of the place and the distance d; 0
+    /// beyond the ends. Norms are weighted by the measure.
+    Uneven(&'a [[f64; 2]]),
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of `n` places whose values are `inner` apart.
+    pub(crate) fn new(n: usize, inner: usize, kind: LineKind<'a>) -> Self {
+        Self { n, inner, kind }
     }
 
     /// Time of diffusion: on a ring of two places both sides of a place are the other one.
     fn time(&self, time: f64) -> f64 {
-        if self.is_periodic && self.n == 2 { 2.0 * time } else { time }
+        if matches!(self.kind, LineKind::Ring) && self.n == 2 { 2.0 * time } else { time }
+    }
+
+    /// Largest weight of a side.
+    fn largest_weight(&self) -> f64 {
+        match self.kind {
+            LineKind::Uneven(sides) => {
+                sides.iter().flatten().fold(0.0, |most: f64, weight| most.max(*weight))
+            }
+            LineKind::Even | LineKind::Ring => 1.0,
+        }
     }
 
     /// True if lines are their means after the time s.
     fn is_leveled(&self, time: f64) -> bool {
-        time >= LEVELED * (self.n as f64).powi(2)
+        !matches!(self.kind, LineKind::Uneven(_)) && time >= LEVELED * (self.n as f64).powi(2)
     }
 
     /// Bound of the error of [`diffuse`](Self::diffuse), relative to the norm of its input.
-    pub(super) fn error(&self, time: f64, approximation: &Approximation) -> f64 {
+    pub(crate) fn error(&self, time: f64, approximation: &Approximation) -> f64 {
         let time = self.time(time);
-        if self.is_leveled(time) { ROUNDING * self.n as f64 } else { approximation.error + ROUNDING * time }
+        if self.is_leveled(time) {
+            ROUNDING * self.n as f64
+        } else {
+            approximation.error + ROUNDING * time * self.largest_weight()
+        }
     }
 
-    /// Diffuses all lines of `values` for the time s, in squared spacings.
-    pub(super) fn diffuse(
+    /// Diffuses all lines of `values` for the time s: in squared spacings, or in units of the inverse weights.
+    pub(crate) fn diffuse(
         &self,
         values: &mut [f64],
         time: f64,
         approximation: &Approximation,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        let Self { n, inner, is_periodic } = *self;
+        let Self { n, inner, kind } = *self;
         let n_lines = values.len() / n;
-        let (is_ring, time) = (is_periodic && n > 2, self.time(time));
+        let time = self.time(time);
         let is_leveled = self.is_leveled(time);
+        let weights: Vec<[f64; 2]> = match kind {
+            LineKind::Uneven(sides) => sides.iter().map(|side| side.map(|weight| time * weight)).collect(),
+            LineKind::Even | LineKind::Ring => vec![[time; 2]; n],
+        };
+        let ends = match kind {
+            LineKind::Ring if n > 2 => Ends::Joined,
+            LineKind::Even | LineKind::Ring => Ends::Reflecting,
+            LineKind::Uneven(_) => Ends::Weighted,
+        };
         let pairs = if is_leveled { &[] } else { approximation.pairs };
-        let solvers: Vec<Solver> = pairs.iter().map(|&(z, c)| Solver::new(n, time, z, c, is_ring)).collect();
-        let start = |line: usize| line / inner * inner * n + line % inner;
+        let solvers: Vec<Solver> = pairs.iter().map(|&(z, c)| Solver::new(&weights, z, c, ends)).collect();
         let tile_len = n * TOGETHER;
         let mut tiles = crate::pages::zeros(n_lines.div_ceil(TOGETHER) * tile_len);
         let given: &[f64] = values;
         parallel::try_visit_rows(&mut tiles, tile_len, AT_A_TIME, progress, |first, rows| {
             let (mut work, arch) = (Work::new(n), pulp::Arch::new());
             for (k, tile) in rows.chunks_exact_mut(tile_len).enumerate() {
-                let line = (first + k) * TOGETHER;
-                let n_here = TOGETHER.min(n_lines - line);
-                let first = start(line);
-                if line % inner + TOGETHER <= inner {
-                    for (at, values) in tile.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
-                        values.copy_from_slice(&given[first + at * inner..][..TOGETHER]);
-                    }
-                } else {
-                    for lane in 0..n_here {
-                        let start = start(line + lane);
-                        for at in 0..n {
-                            tile[at * TOGETHER + lane] = given[start + at * inner];
-                        }
-                    }
-                }
+                self.read_tile(given, (first + k) * TOGETHER, tile);
                 if is_leveled {
                     level(tile);
                 } else {
-                    arch.dispatch(DiffuseTile { work: &mut work, tile, solvers: &solvers, time, is_ring });
+                    arch.dispatch(DiffuseTile {
+                        work: &mut work,
+                        tile,
+                        solvers: &solvers,
+                        weights: &weights,
+                        ends,
+                    });
                 }
             }
         })?;
@@ -169,6 +193,27 @@ impl Lines {
     }
 }
 
+impl Lines<'_> {
+    /// Copies the lines from `line` on into a tile, n × [`TOGETHER`].
+    fn read_tile(&self, values: &[f64], line: usize, tile: &mut [f64]) {
+        let Self { n, inner, .. } = *self;
+        let start = |line: usize| line / inner * inner * n + line % inner;
+        if line % inner + TOGETHER <= inner {
+            let first = start(line);
+            for (at, row) in tile.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
+                row.copy_from_slice(&values[first + at * inner..][..TOGETHER]);
+            }
+        } else {
+            for lane in 0..TOGETHER.min(values.len() / n - line) {
+                let start = start(line + lane);
+                for at in 0..n {
+                    tile[at * TOGETHER + lane] = values[start + at * inner];
+                }
+            }
+        }
+    }
+}
+
 /// Replaces the lines of a tile, n × [`TOGETHER`], by their means; constants stay to the last bit.
 fn level(tile: &mut [f64]) {
     let values = tile.as_chunks_mut::<TOGETHER>().0;
@@ -191,6 +236,17 @@ fn inverse(a: Complex) -> Complex {
     (a.0 / square, -a.1 / square)
 }
 
+/// What is beside the first and the last place of a line.
+#[derive(Clone, Copy, PartialEq)]
+enum Ends {
+    /// The place itself.
+    Reflecting,
+    /// The place at the other end.
+    Joined,
+    /// What the weights say: nothing.
+    Weighted,
+}
+
 /// Factors of `sD + z` on a line or a ring, and the weight of its solution.
 struct Solver {
     /// Inverse pivots.
@@ -204,23 +260,31 @@ struct Solver {
 }
 
 impl Solver {
-    fn new(n: usize, time: f64, pole: Complex, residue: Complex, is_ring: bool) -> Self {
-        let middle = (pole.0 + 2.0 * time, pole.1);
-        let end = if is_ring { middle } else { (pole.0 + time, pole.1) };
-        let mut diagonal = vec![middle; n];
-        diagonal[0] = end;
-        diagonal[n - 1] = end;
+    /// Factors for sides of these weights, the time included.
+    fn new(weights: &[[f64; 2]], pole: Complex, residue: Complex, ends: Ends) -> Self {
+        let (n, [time, _]) = (weights.len(), weights[0]);
+        let mut diagonal: Vec<Complex> =
+            weights.iter().map(|[before, after]| (pole.0 + (before + after), pole.1)).collect();
         // A ring is a line with corners: sD + z = T + a·bᵀ with a = (γ, 0, …, 0, −s), b = (1, 0, …, 0, −s/γ), γ = −d₀.
+        let middle = diagonal[0];
         let gamma = (-middle.0, -middle.1);
         let over = inverse(gamma);
-        if is_ring {
-            diagonal[0] = (middle.0 - gamma.0, middle.1 - gamma.1);
-            diagonal[n - 1] = (middle.0 - time * time * over.0, middle.1 - time * time * over.1);
+        match ends {
+            Ends::Reflecting => {
+                diagonal[0] = (pole.0 + time, pole.1);
+                diagonal[n - 1] = diagonal[0];
+            }
+            Ends::Joined => {
+                diagonal[0] = (middle.0 - gamma.0, middle.1 - gamma.1);
+                diagonal[n - 1] = (middle.0 - time * time * over.0, middle.1 - time * time * over.1);
+            }
+            Ends::Weighted => {}
         }
         let mut pivots: Vec<Complex> = Vec::with_capacity(n);
         for (k, d) in diagonal.iter().enumerate() {
-            let less = if k == 0 { (0.0, 0.0) } else { pivots[k - 1] };
-            pivots.push(inverse((d.0 - time * time * less.0, d.1 - time * time * less.1)));
+            let (less, product) =
+                if k == 0 { ((0.0, 0.0), 0.0) } else { (pivots[k - 1], weights[k - 1][1] * weights[k][0]) };
+            pivots.push(inverse((d.0 - product * less.0, d.1 - product * less.1)));
         }
         let double = multiply(residue, inverse(pole));
         let mut solver = Self {
@@ -229,7 +293,7 @@ impl Solver {
             corner_row: (-time * over.0, -time * over.1),
             weight: (2.0 * double.0, 2.0 * double.1),
         };
-        if is_ring {
+        if ends == Ends::Joined {
             let mut q = vec![(0.0, 0.0); n];
             q[0] = gamma;
             q[n - 1] = (-time, 0.0);
@@ -259,8 +323,8 @@ struct DiffuseTile<'a> {
     work: &'a mut Work,
     tile: &'a mut [f64],
     solvers: &'a [Solver],
-    time: f64,
-    is_ring: bool,
+    weights: &'a [[f64; 2]],
+    ends: Ends,
 }
 
 impl pulp::NullaryFnOnce for DiffuseTile<'_> {
@@ -268,7 +332,7 @@ impl pulp::NullaryFnOnce for DiffuseTile<'_> {
 
     #[inline(always)]
     fn call(self) {
-        self.work.diffuse(self.tile, self.solvers, self.time, self.is_ring);
+        self.work.diffuse(self.tile, self.solvers, self.weights, self.ends);
     }
 }
 
@@ -291,29 +355,34 @@ impl Work {
 
     /// Replaces the lines of a tile, n × [`TOGETHER`], by r(−sD) of them.
     #[inline(always)]
-    fn diffuse(&mut self, tile: &mut [f64], solvers: &[Solver], time: f64, is_ring: bool) {
+    fn diffuse(&mut self, tile: &mut [f64], solvers: &[Solver], weights: &[[f64; 2]], ends: Ends) {
         let values = tile.as_chunks_mut::<TOGETHER>().0;
         let n = values.len();
         for k in 0..n {
             let here = &values[k];
             let before = if k > 0 {
                 &values[k - 1]
-            } else if is_ring {
+            } else if ends == Ends::Joined {
                 &values[n - 1]
             } else {
                 here
             };
             let after = if k + 1 < n {
                 &values[k + 1]
-            } else if is_ring {
+            } else if ends == Ends::Joined {
                 &values[0]
             } else {
                 here
             };
-            self.right[k] = std::array::from_fn(|l| time * ((here[l] - before[l]) + (here[l] - after[l])));
+            let [left, right] = weights[k];
+            self.right[k] = if ends == Ends::Weighted {
+                std::array::from_fn(|l| left * (here[l] - before[l]) + right * (here[l] - after[l]))
+            } else {
+                std::array::from_fn(|l| left * ((here[l] - before[l]) + (here[l] - after[l])))
+            };
         }
         for solver in solvers {
-            self.solve(solver, time);
+            self.solve(solver, weights);
             let (real, imaginary) = solver.weight;
             for (values, (re, im)) in values.iter_mut().zip(self.real.iter().zip(&self.imaginary)) {
                 for (value, (re, im)) in values.iter_mut().zip(re.iter().zip(im)) {
@@ -325,13 +394,13 @@ impl Work {
 
     /// Solves `(sD + z)u = right` into the real and imaginary parts.
     #[inline(always)]
-    fn solve(&mut self, solver: &Solver, time: f64) {
+    fn solve(&mut self, solver: &Solver, weights: &[[f64; 2]]) {
         let n = self.right.len();
         let (mut re, mut im) = ([0.0; TOGETHER], [0.0; TOGETHER]);
-        for k in 0..n {
+        for (k, [before, _]) in weights.iter().enumerate() {
             let (a, b) = solver.pivots[k];
             for l in 0..TOGETHER {
-                let (x, y) = (self.right[k][l] + time * re[l], time * im[l]);
+                let (x, y) = (self.right[k][l] + before * re[l], before * im[l]);
                 re[l] = a * x - b * y;
                 im[l] = a * y + b * x;
             }
@@ -339,7 +408,8 @@ impl Work {
             self.imaginary[k] = im;
         }
         for k in (0..n - 1).rev() {
-            let (a, b) = (time * solver.pivots[k].0, time * solver.pivots[k].1);
+            let [_, after] = weights[k];
+            let (a, b) = (after * solver.pivots[k].0, after * solver.pivots[k].1);
             for l in 0..TOGETHER {
                 let (x, y) = (re[l], im[l]);
                 re[l] = self.real[k][l] + (a * x - b * y);

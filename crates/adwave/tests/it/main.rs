@@ -34,3 +34,4 @@ mod signed_saliency;
 mod strays;
 mod surface;
 mod surface_features;
+mod time;
