@@ -51,6 +51,14 @@ pub enum DenoiseError {
         /// Value at the vertex.
         value: f64,
     },
+    /// Noise that depends on the values is not removed in space and time together.
+    #[error(
+        "noise of the model {model} is removed frame by frame only; leave out the time, or take the noise model gaussian"
+    )]
+    NotInTime {
+        /// The model of the noise.
+        model: NoiseModel,
+    },
     /// The bands could not be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
@@ -66,7 +74,8 @@ impl ClassifiedError for DenoiseError {
             | Self::Number { .. }
             | Self::SignalLength { .. }
             | Self::NotFinite { .. }
-            | Self::ImpossibleValue { .. } => ErrorKind::Input,
+            | Self::ImpossibleValue { .. }
+            | Self::NotInTime { .. } => ErrorKind::Input,
             Self::Bands(error) => error.kind(),
             Self::Cancelled(cancelled) => cancelled.kind(),
         }

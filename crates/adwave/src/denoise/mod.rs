@@ -25,6 +25,7 @@ mod places;
 mod risk;
 mod sample;
 mod scaling;
+mod series;
 mod shared_noise;
 mod signal;
 mod smoothed_normals;
@@ -37,6 +38,7 @@ pub use params::{
     CloudDenoising, Creases, CurveDenoising, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers,
     SharedNoise, StrongNoise,
 };
+pub use series::{DenoisedSeries, SeriesNoise, denoise_series};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
 use crate::shape::PreparedGeometry;

@@ -129,7 +129,7 @@ impl Risk {
     }
 
     /// The risk of a mixture without the term `‖m‖²`: `w·Gw − 2b·w`.
-    fn known_risk(&self, weights: &[f64]) -> f64 {
+    pub(super) fn known_risk(&self, weights: &[f64]) -> f64 {
         let toward: f64 = weights.iter().zip(&self.toward).map(|(w, b)| w * b).sum();
         self.inner(weights, weights) - 2.0 * toward
     }

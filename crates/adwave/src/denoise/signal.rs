@@ -57,7 +57,7 @@ const LEAST_GAIN: f64 = 2.0;
 const CHANNELS_TOGETHER: usize = 3;
 
 /// Largest relative error of a band, far below the remaining noise.
-const ACCURACY: f64 = 1e-5;
+pub(super) const ACCURACY: f64 = 1e-5;
 
 /// Largest number of successive differences from which the noise is estimated.
 const NOISE_ORDERS: usize = 5;
@@ -298,18 +298,18 @@ impl<'a> RowsAtPlaces<'a> {
 }
 
 /// Channels that are denoised together.
-struct ChannelGroup<'a> {
-    decomposer: &'a Decomposer,
+pub(super) struct ChannelGroup<'a> {
+    pub(super) decomposer: &'a Decomposer,
     /// Number of channels.
-    d: usize,
+    pub(super) d: usize,
     /// Returns true if a welded vertex has a value.
-    is_known: &'a (dyn Fn(usize) -> bool + Sync),
+    pub(super) is_known: &'a (dyn Fn(usize) -> bool + Sync),
     /// Domain over which each channel is fitted, if smoothing is about a local linear fit.
-    domains: Option<Vec<FitDomain>>,
+    pub(super) domains: Option<Vec<FitDomain>>,
 }
 
 /// Channel `c` of `data`, n × d.
-fn channel(data: &[f64], c: usize, d: usize) -> Vec<f64> {
+pub(super) fn channel(data: &[f64], c: usize, d: usize) -> Vec<f64> {
     data[c.min(data.len())..].iter().step_by(d).copied().collect()
 }
 
@@ -328,7 +328,12 @@ struct LedWalk {
 
 impl<'a> ChannelGroup<'a> {
     /// Standard deviation of the noise of `data`.
-    fn level(&self, data: &[f64], walk: &Transform, progress: Progress<'_>) -> Result<f64, DenoiseError> {
+    pub(super) fn level(
+        &self,
+        data: &[f64],
+        walk: &Transform,
+        progress: Progress<'_>,
+    ) -> Result<f64, DenoiseError> {
         let fits = self.fits(walk, progress)?;
         if fits.is_empty() {
             self.noise_level(data, progress)
@@ -406,7 +411,7 @@ impl<'a> ChannelGroup<'a> {
     }
 
     /// Fit of each channel on a walk; none if smoothing is about the local mean.
-    fn fits<'t>(
+    pub(super) fn fits<'t>(
         &self,
         walk: &'t Transform,
         progress: Progress<'_>,
@@ -427,7 +432,7 @@ impl<'a> ChannelGroup<'a> {
 
     /// Scaling coefficients of the data by a walk, and those about the local mean from level `first_mean` on if the
     /// others are about a linear fit.
-    fn scaling(
+    pub(super) fn scaling(
         &self,
         walk: &Transform,
         fits: &[LinearTransform<'_>],
@@ -467,7 +472,8 @@ impl<'a> ChannelGroup<'a> {
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
                 .collect();
             // The lengths of steps are not needed.
-            let rows = self.decomposer.step_rows().weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
+            let rows = self.decomposer.step_rows(progress)?;
+            let rows = rows.weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
             let rows = Arc::new(rows);
             Ok(LedWalk { transform: transform(Arc::clone(&rows), ACCURACY)?, rows })
         };
@@ -495,7 +501,7 @@ impl<'a> ChannelGroup<'a> {
         fits: &[LinearTransform<'_>],
         progress: Progress<'_>,
     ) -> Result<f64, DenoiseError> {
-        let neighbors = self.decomposer.step_rows().neighbors();
+        let neighbors = self.decomposer.step_rows(progress)?.neighbors();
         let mut channels = Vec::new();
         for (c, fit) in fits.iter().enumerate() {
             let field = channel(data, c, self.d);
@@ -507,7 +513,7 @@ impl<'a> ChannelGroup<'a> {
 
     /// Standard deviation of the noise, from the differences between values and the means of their neighbors.
     fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
-        let neighbors = self.decomposer.neighbors();
+        let neighbors = self.decomposer.try_neighbors(progress)?;
         let mut channels = Vec::new();
         for c in 0..self.d {
             let field = channel(data, c, self.d);

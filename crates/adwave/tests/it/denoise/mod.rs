@@ -7,6 +7,7 @@ mod kinds;
 mod laws;
 mod parts;
 mod real_files;
+mod series;
 mod signals;
 
 use adwave::Progress;
