@@ -69,6 +69,8 @@ pub struct NamedSignal {
     pub values: SignalValues,
     /// Names of the channels, if they are columns of another file; else empty.
     pub channel_names: Vec<String>,
+    /// Seconds from one channel to the next, if the file says that the channels are frames.
+    pub frame_step: Option<f64>,
     /// Numbers of a field that stand for unknown values (see [`mark_unknown`]), in whose places `values` has NaN.
     pub unknown: Vec<UnknownValue>,
 }
@@ -95,15 +97,17 @@ impl Deref for SignalValues {
 }
 
 impl NamedSignal {
-    fn new(n_channels: usize, values: SignalValues) -> Self {
-        Self { n_channels, values, channel_names: Vec::new(), unknown: Vec::new() }
+    /// A signal of these values, all of them known.
+    pub fn new(n_channels: usize, values: SignalValues) -> Self {
+        Self { n_channels, values, channel_names: Vec::new(), frame_step: None, unknown: Vec::new() }
     }
 
     /// Signal of a field, in which unknown values are NaN.
     fn from_field(field: &Field) -> Self {
         let mut values = field.to_f64();
         let unknown = mark_unknown(&mut values, field.n_channels);
-        Self { unknown, ..Self::new(field.n_channels, SignalValues::Other(values)) }
+        let frame_step = field.frame_step;
+        Self { frame_step, unknown, ..Self::new(field.n_channels, SignalValues::Other(values)) }
     }
 
     /// Puts the numbers that stand for unknown values back among `values`, in places that are NaN.
@@ -274,7 +278,8 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut value
         }
         if file.grid().is_some() {
             // Its writer rounds to the type of the file, and refuses what that cannot hold.
-            return Field::new(name, n_channels, FieldValues::F64(values));
+            let frame_step = old.frame_step.filter(|_| old.n_channels == n_channels);
+            return Field::new(name, n_channels, FieldValues::F64(values)).with_frame_step(frame_step);
         }
         return old.with_values_rounded(&values);
     }
@@ -298,7 +303,7 @@ pub fn keep_left_out_values(
     }
     if let Some(FileField { field: old, .. }) = values_of_file(name, file.structure(), file.n_file_rows())? {
         let values = FieldValues::F64(old.to_f64());
-        file.set_left_out_values(&Field { name: written.name.clone(), n_channels: old.n_channels, values });
+        file.set_left_out_values(&Field::new(written.name.clone(), old.n_channels, values));
     }
     Ok(())
 }
@@ -364,6 +369,9 @@ fn join_channels(path: &str, fields: &[Field]) -> Result<Field, NamedSignalError
             other.len(),
             fields[0].name
         )));
+    }
+    if let [field] = fields {
+        return Ok(Field { name: path.to_owned(), ..field.clone() });
     }
     let (n, n_channels) = (fields[0].len(), fields.iter().map(|f| f.n_channels).sum());
     let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));

@@ -123,11 +123,7 @@ impl Rewriter<'_> {
 
     /// Creates the new fields of `n` vertices, without values.
     fn portion(&self, n: usize) -> Vec<Field> {
-        let field = |name: &String| Field {
-            name: name.clone(),
-            n_channels: 1,
-            values: FieldValues::F32(vec![0.0; n]),
-        };
+        let field = |name: &String| Field::new(name.clone(), 1, FieldValues::F32(vec![0.0; n]));
         self.fields.iter().map(field).collect()
     }
 

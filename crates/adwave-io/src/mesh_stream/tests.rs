@@ -140,7 +140,7 @@ fn a_mesh_is_written_again_as_it_is_after_reading_it_whole() {
         let fields: &[String] = if name.ends_with("obj") { &[] } else { &["wavelet_2".into(), "w".into()] };
         for (k, name) in fields.iter().enumerate() {
             let values = FieldValues::F32((0..n).map(|i| i as f32 + 0.5 * k as f32).collect());
-            whole.add_vertex_field(Field { name: name.clone(), n_channels: 1, values }).unwrap();
+            whole.add_vertex_field(Field::new(name.clone(), 1, values)).unwrap();
         }
         whole.set_points(moved.clone()).unwrap();
         let mut expected = Vec::new();

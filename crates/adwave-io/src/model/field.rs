@@ -322,6 +322,8 @@ pub struct Field {
     pub n_channels: usize,
     /// Numbers, with all channels of one vertex adjacent.
     pub values: FieldValues,
+    /// Seconds from one channel to the next, if the file says that the channels are frames.
+    pub frame_step: Option<f64>,
 }
 
 impl Field {
@@ -334,7 +336,14 @@ impl Field {
             n_channels > 0 && values.len().is_multiple_of(n_channels),
             "values must form complete rows of at least one channel"
         );
-        Self { name: name.into(), n_channels, values }
+        Self { name: name.into(), n_channels, values, frame_step: None }
+    }
+
+    /// This field with channels that are frames, one every `frame_step` seconds; a step that is no positive number is
+    /// none.
+    pub(crate) fn with_frame_step(self, frame_step: Option<f64>) -> Self {
+        let frame_step = frame_step.filter(|step| step.is_normal() && *step > 0.0 && self.n_channels > 1);
+        Self { frame_step, ..self }
     }
 
     /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions,
@@ -373,7 +382,7 @@ impl Field {
         if n_channels == 0 || !found.is_multiple_of(n_channels) {
             return Err(crate::ShapeFileError::FieldValues { name, found, n_channels });
         }
-        Ok(Self { name, n_channels, values })
+        Ok(Self { name, n_channels, values, frame_step: None })
     }
 
     /// Replaces the numbers and keeps the type: integer types round and saturate.
@@ -393,7 +402,7 @@ impl Field {
         with_values!(&mut values, v => for &x in numbers {
             v.push(Number::from_f64(x));
         });
-        Self { name: self.name.clone(), n_channels: self.n_channels, values }
+        Self { name: self.name.clone(), values, ..*self }
     }
 
     /// Number of vertices (or faces).

@@ -52,7 +52,7 @@ pub(crate) fn group(
         let Some(values) = values else { continue };
         let name = names.unique(name);
         members.push((name.clone(), positions.clone()));
-        fields.push(Field { name, n_channels: positions.len(), values });
+        fields.push(Field::new(name, positions.len(), values));
     }
     Ok((fields, members))
 }

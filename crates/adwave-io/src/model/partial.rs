@@ -119,7 +119,7 @@ fn scattered(field: &Field, rows: &[u32], mut values: FieldValues) -> Field {
         };
     }
     scatter!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
-    Field { name: field.name.clone(), n_channels: n, values }
+    Field { name: field.name.clone(), values, ..*field }
 }
 
 /// File that a shape is a part of.
@@ -170,11 +170,7 @@ impl ShapeFile {
             (None, COORDS) => whole.points.as_flattened().to_vec(),
             (None, _) => return rows.spread(&field, None),
         };
-        let old = Field {
-            name: String::new(),
-            n_channels: if axis.is_some() { 1 } else { 3 },
-            values: FieldValues::F64(old),
-        };
+        let old = Field::new("", if axis.is_some() { 1 } else { 3 }, FieldValues::F64(old));
         rows.spread(&field, Some(&old))
     }
 

@@ -23,6 +23,8 @@ pub(super) struct CiftiMaps {
     pub(super) models: Vec<BrainModel>,
     /// Meaning of the columns; `None` for labels and others that are not written.
     pub(super) columns: Option<CiftiColumns>,
+    /// Seconds from column to column of a series.
+    pub(super) step: Option<f64>,
     /// Names of the columns if they have any.
     pub(super) names: Option<Vec<String>>,
 }
@@ -43,13 +45,14 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
     let text = std::str::from_utf8(&xml[..end]).map_err(|_| broken("is not UTF-8"))?;
     let document = Document::parse(text).map_err(|e| broken(&format!("is malformed ({})", one_line(&e))))?;
     let mut rows = None;
-    let (mut columns, mut names) = (None, None);
+    let (mut columns, mut names, mut step) = (None, None, None);
     for map in document.descendants().filter(|node| node.has_tag_name("MatrixIndicesMap")) {
         let dimension = map.attribute("AppliesToMatrixDimension").unwrap_or("");
         match map.attribute("IndicesMapToDataType") {
             Some("CIFTI_INDEX_TYPE_BRAIN_MODELS") if dimension.trim() == "1" => rows = Some(map),
             Some("CIFTI_INDEX_TYPE_SERIES") if dimension.trim() == "0" => {
                 columns = Some(CiftiColumns::Series);
+                step = series_step(map);
             }
             Some(kind @ ("CIFTI_INDEX_TYPE_SCALARS" | "CIFTI_INDEX_TYPE_LABELS"))
                 if dimension.trim() == "0" =>
@@ -74,7 +77,15 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
         node.has_tag_name("BrainModel") && node.attribute("ModelType") == Some("CIFTI_MODEL_TYPE_SURFACE")
     });
     let models = models.map(|node| model(node, progress)).collect::<Result<_, _>>()?;
-    Ok(CiftiMaps { models, columns, names })
+    Ok(CiftiMaps { models, columns, step, names })
+}
+
+/// Seconds from point to point of a series over time.
+fn series_step(map: Node<'_, '_>) -> Option<f64> {
+    let number = |name: &str| map.attribute(name)?.trim().parse::<f64>().ok();
+    let is_time = map.attribute("SeriesUnit").is_none_or(|unit| unit.trim() == "SECOND");
+    let power = number("SeriesExponent").unwrap_or(0.0);
+    number("SeriesStep").filter(|_| is_time).map(|step| step * 10_f64.powf(power))
 }
 
 fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<BrainModel, ReadError> {

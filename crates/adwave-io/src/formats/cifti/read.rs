@@ -28,6 +28,8 @@ pub(super) struct CiftiNumbers {
     pub(super) model: BrainModel,
     /// Meaning of the columns, which the XML states; the code of the intent in the header may be missing.
     pub(super) columns: Option<CiftiColumns>,
+    /// Seconds from column to column of a series.
+    step: Option<f64>,
     /// Names of the columns, if they have any.
     names: Option<Vec<String>>,
     /// Byte of the first number of the file.
@@ -100,7 +102,7 @@ pub(super) fn locate_numbers(
         })?,
         progress,
     )?;
-    let CiftiMaps { models, columns, names } = maps;
+    let CiftiMaps { models, columns, step, names } = maps;
     let model = select_model(models, structure, n_vertices)?;
     let start = usize::try_from(length(168)?).map_err(|_| cut())?;
     let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
@@ -121,6 +123,7 @@ pub(super) fn locate_numbers(
     Ok(CiftiNumbers {
         model,
         columns,
+        step,
         names,
         start,
         n_bytes,
@@ -222,6 +225,6 @@ fn fields(
             });
             named.collect()
         }
-        _ => Ok(vec![field("series".into(), 0, n_columns)?]),
+        _ => Ok(vec![field("series".into(), 0, n_columns)?.with_frame_step(found.step)]),
     }
 }

@@ -226,7 +226,7 @@ impl ScanColumns {
             while fields.iter().any(|field| field.name == name) {
                 name.push('_');
             }
-            fields.push(Field { name, n_channels, values });
+            fields.push(Field::new(name, n_channels, values));
         }
         fields
     }

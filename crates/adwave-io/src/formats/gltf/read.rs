@@ -189,7 +189,7 @@ fn fields(
         while fields.iter().any(|field| field.name == name) {
             name.push('_');
         }
-        fields.push(Field { name, n_channels, values });
+        fields.push(Field::new(name, n_channels, values));
     }
     numbered(&fields, progress)
 }
@@ -209,7 +209,7 @@ fn numbered(fields: &[Field], progress: Progress<'_>) -> Result<Vec<Field>, Read
         let lists: Vec<&FieldValues> = fields[k..k + n].iter().map(|field| &field.values).collect();
         let whole = if n > 4 { FieldValues::interleave(&lists, progress)? } else { None };
         if let (Some(values), Some(base)) = (whole, base) {
-            grouped.push(Field { name: base.to_owned(), n_channels: n, values });
+            grouped.push(Field::new(base, n, values));
             k += n;
         } else {
             grouped.push(fields[k].clone());

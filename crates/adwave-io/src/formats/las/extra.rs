@@ -134,7 +134,7 @@ fn columns_of(name: &str, n_channels: usize) -> Vec<String> {
     if n_channels == 1 && !name.is_empty() {
         return vec![name.replace(|c: char| c.is_control(), "_")];
     }
-    column_names(&Field { name: name.to_owned(), n_channels, values: FieldValues::U8(Vec::new()) })
+    column_names(&Field::new(name, n_channels, FieldValues::U8(Vec::new())))
 }
 
 /// True if an attribute can store all values of a channel exactly.

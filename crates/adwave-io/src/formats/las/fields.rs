@@ -140,7 +140,7 @@ pub(crate) fn fields(
         if own.n_channels == 1 {
             columns.push((own.name.clone(), values));
         } else {
-            all.push(Field { name: unique(&all, own.name.clone()), n_channels: own.n_channels, values });
+            all.push(Field::new(unique(&all, own.name.clone()), own.n_channels, values));
         }
     }
     for field in group(columns, records.progress)?.0 {

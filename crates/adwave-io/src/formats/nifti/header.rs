@@ -309,8 +309,8 @@ impl HeaderEditor<'_> {
         self.put_float(self.version.places().pixdim, k + 1, spacing);
     }
 
-    /// Sets the code of the unit of length.
-    pub(super) fn set_unit(&mut self, code: u8) {
+    /// Sets the sum of the codes of the units of length and of time.
+    pub(super) fn set_units(&mut self, code: u8) {
         let units = self.version.places().units;
         match self.version {
             Version::One => self.bytes[units] = code,

@@ -57,7 +57,7 @@ pub(super) fn read_nifti(
     note_on_missing(&layout, None, &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.format = Some(Format::NIFTI);
-    shape.vertex_fields.push(field);
+    shape.vertex_fields.push(field.with_frame_step(frame_step(&header)));
     shape.notes = notes;
     shape.original = Some(Arc::new(NiftiDocument { bytes, header, numbers }));
     Ok(shape)
@@ -88,6 +88,18 @@ fn layout(header: &NiftiHeader, notes: &mut Vec<String>) -> GridLayout {
     }
     let axis_names = ["z", "y", "x"][3 - n..].to_vec();
     GridLayout { sizes, spacings, axis_names, origin, steps, unit, kept: None }
+}
+
+/// Seconds from frame to frame, if the fourth axis is the last one and time in a unit that the header states.
+fn frame_step(header: &NiftiHeader) -> Option<f64> {
+    let is_last = header.sizes.len() > 3 && header.sizes[4..].iter().all(|&n| n == 1);
+    let unit = match header.units & 0o70 {
+        8 => 1.0,
+        16 => 1e-3,
+        24 => 1e-6,
+        _ => return None,
+    };
+    is_last.then(|| header.pixdim[4] * unit)
 }
 
 /// Steps of the voxels along i, j and k, and position of the first voxel: the sform, else the qform, else the spacings
