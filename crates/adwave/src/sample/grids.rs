@@ -8,7 +8,7 @@ use rand_pcg::rand_core::SeedableRng;
 use std::f64::consts::TAU;
 
 /// The samples that are images or volumes, by name.
-pub const GRID_SAMPLE_NAMES: [SampleInfo; 2] = [
+pub const GRID_SAMPLE_NAMES: [SampleInfo; 3] = [
     SampleInfo {
         name: "hills",
         description: "image: heights of a landscape in meters, 7.68 km by 7.68 km",
@@ -19,6 +19,12 @@ pub const GRID_SAMPLE_NAMES: [SampleInfo; 2] = [
         name: "head",
         description: "volume: a head of skin, skull, folded cortex and ventricles, voxels of 3 × 2 × 2 mm",
         default_vertices: 56 * 96 * 80,
+        min_vertices: 1000,
+    },
+    SampleInfo {
+        name: "bold",
+        description: "series: a coarse head, two spots of which are active, 90 frames, one every 2 s",
+        default_vertices: 21 * 24 * 20,
         min_vertices: 1000,
     },
 ];
@@ -32,6 +38,13 @@ const HEAD_HALF: [f64; 3] = [84.0, 96.0, 80.0];
 /// Spacings of the default volume along z, y and x, in millimeters.
 const HEAD_SPACINGS: [f64; 3] = [3.0, 2.0, 2.0];
 
+/// Frames of the series, and seconds from one to the next.
+const BOLD_FRAMES: (usize, f64) = (90, 2.0);
+/// Centers of the active spots along z, y and x, in millimeters, and seconds of a period of each.
+const BOLD_SPOTS: [([f64; 3], f64); 2] = [([30.0, -50.0, 25.0], 40.0), ([20.0, 40.0, -40.0], 24.0)];
+/// Standard deviation of a spot, in millimeters, and its height in shares of the brightness.
+const BOLD_SPOT: (f64, f64) = (11.0, 0.04);
+
 /// A generated image or volume, in the order of [`Grid`](crate::grid::Grid).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridSample {
@@ -39,11 +52,20 @@ pub struct GridSample {
     pub sizes: Vec<usize>,
     /// Spacing of each axis: meters for hills, millimeters for the head.
     pub spacings: Vec<f64>,
-    /// One value per place: heights in meters, or brightness from 0 to 100.
+    /// Values of each place, one per frame: heights in meters, or brightness from 0 to 100.
     pub values: Vec<f64>,
+    /// Number of frames.
+    pub n_frames: usize,
+    /// Seconds from frame to frame, if there are several.
+    pub frame_step: Option<f64>,
 }
 
 impl GridSample {
+    /// One frame.
+    fn new(sizes: Vec<usize>, spacings: Vec<f64>, values: Vec<f64>) -> Self {
+        Self { sizes, spacings, values, n_frames: 1, frame_step: None }
+    }
+
     /// Generates the sample `name` with about `n_places` places, or its default number; `None` if no image or volume
     /// has this name. O(n) time and memory.
     ///
@@ -63,7 +85,13 @@ impl GridSample {
             let (name, min) = (info.name, info.min_vertices);
             return Err(SampleError::VertexCount { name, n_vertices: n, min, max: MAX_VERTICES });
         }
-        Ok(Some(if info.name == "hills" { hills(n) } else { head(n, info.default_vertices) }))
+        // The size of the head belongs to the voxels of its own sample.
+        let usual = 56 * 96 * 80;
+        Ok(Some(match info.name {
+            "hills" => hills(n),
+            "head" => head(n, usual),
+            _ => bold(head(n, usual)),
+        }))
     }
 
     /// Adds independent Gaussian noise to the values, in their unit, or for [`NoiseSigma::MeanEdge`] in multiples of
@@ -114,7 +142,7 @@ fn hills(n: usize) -> GridSample {
         height
     };
     let values = crate::parallel::collect(side * side, height);
-    GridSample { sizes: vec![side; 2], spacings: vec![spacing; 2], values }
+    GridSample::new(vec![side; 2], vec![spacing; 2], values)
 }
 
 /// Mean of eight points of each voxel.
@@ -139,7 +167,27 @@ fn head(n: usize, usual: usize) -> GridSample {
         (0..8).map(corner).sum::<f64>() / 8.0
     };
     let values = crate::parallel::collect(sizes.iter().product(), value);
-    GridSample { sizes, spacings, values }
+    GridSample::new(sizes, spacings, values)
+}
+
+/// The head over time: two spots whose brightness rises and falls, each with a period of its own.
+fn bold(head: GridSample) -> GridSample {
+    let GridSample { sizes, spacings, values: still, .. } = head;
+    let (n_frames, step) = BOLD_FRAMES;
+    let (width, height) = BOLD_SPOT;
+    let value = |index: usize| {
+        let (place, seconds) = (index / n_frames, (index % n_frames) as f64 * step);
+        let at = [place / (sizes[1] * sizes[2]), place / sizes[2] % sizes[1], place % sizes[2]];
+        let active = |(center, period): &([f64; 3], f64)| {
+            let offset =
+                |axis: usize| (at[axis] as f64 + 0.5) * spacings[axis] - HEAD_HALF[axis] - center[axis];
+            let square: f64 = (0..3).map(|axis| offset(axis).powi(2)).sum();
+            height * (-0.5 * square / (width * width)).exp() * (TAU * seconds / period).sin()
+        };
+        still[place] * (1.0 + BOLD_SPOTS.iter().map(active).sum::<f64>())
+    };
+    let values = crate::parallel::collect(still.len() * n_frames, value);
+    GridSample { sizes, spacings, values, n_frames, frame_step: Some(step) }
 }
 
 /// Brightness of the tissue at z, y and x, in millimeters from the center.
