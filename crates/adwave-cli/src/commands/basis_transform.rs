@@ -22,8 +22,20 @@ use serde_json::json;
 use std::path::Path;
 
 /// Options of bands, which wavelets by lifting do not have.
-const LEVEL_OPTIONS: [&str; 8] =
-    ["--levels", "--voices", "--steps", "--accuracy", "--lengths", "--fwhm", "--weld", "--no-weld"];
+const LEVEL_OPTIONS: [&str; 12] = [
+    "--levels",
+    "--voices",
+    "--steps",
+    "--accuracy",
+    "--lengths",
+    "--fwhm",
+    "--weld",
+    "--no-weld",
+    "--time-fwhm",
+    "--time-lengths",
+    "--time-step",
+    "--time-ends",
+];
 
 /// Wavelets of a mesh, on vertices or on faces.
 enum MeshWavelets {

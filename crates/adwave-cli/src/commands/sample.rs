@@ -20,7 +20,7 @@ Examples:
   adwave sample creature -o creature.ply
   adwave sample knot --vertices 200000 --noise 0.3 --seed 7 -o noisy.obj
   adwave sample sphere --as cloud -o points.ply
-  adwave sample hills -o hills.tif              an image; 'head' is a volume (.nii.gz)
+  adwave sample hills -o hills.tif              an image; 'head' is a volume (.nii.gz), 'bold' a series
   adwave sample terrain --points 1e8 -o scan     a folder of LAZ files")]
 pub(crate) struct SampleArgs {
     /// Name of the shape; without it the shapes are listed
@@ -114,7 +114,12 @@ fn describe(file: &ShapeFile) -> String {
         Some(grid) => {
             let kind = if grid.sizes.len() == 2 { "image" } else { "volume" };
             let sizes: Vec<String> = grid.sizes.iter().map(usize::to_string).collect();
-            format!("{kind}, {}", sizes.join(" × "))
+            let frames = match file.vertex_fields().first().map(|field| (field.n_channels, field.frame_step))
+            {
+                Some((n_frames, Some(step))) => format!(", {n_frames} frames, one every {step} s"),
+                _ => String::new(),
+            };
+            format!("{kind}, {}{frames}", sizes.join(" × "))
         }
         None => format!(
             "{}, {}",

@@ -2,7 +2,7 @@
 
 use super::result_file::check_places;
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, ShapeArgs, SignalArgs, number as parse_number, parse_named,
+    GivenWalkArgs, LabelArgs, LevelArgs, ShapeArgs, SignalArgs, TimeArgs, number as parse_number, parse_named,
 };
 use crate::error::CliError;
 use crate::global::Global;
@@ -18,19 +18,22 @@ use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape, row_words};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
+use crate::resolve::time::TimeBands;
 use crate::resolve::walk::with_given_walk;
 use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
-use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
+use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
 use adwave_subdivision::Family;
 use clap::Args;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Output by extension:
-  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy
+  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy; along time
+              band (J+1,I+1,n,T) instead of the first two, whose sum is the signal, and time_sigma (I+1)
   .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
   .gii        the fields W1 … WJ and SJ, which sum to the signal, as 32-bit floats
   .nii .tif   of an image or a volume, the same as J+1 channels
@@ -41,6 +44,7 @@ Examples:
   adwave transform pial.gii.gz -o bands.func.gii --signal thick.gii.gz --fwhm 4,8,16
   adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity
   adwave transform volume.nii.gz -o bands.nii.gz --fwhm 4,8,16
+  adwave transform bold.nii.gz -o bands.npz --fwhm 6,12 --time-fwhm 4s,16s
   adwave transform fsaverage5.gii -o c.npz --basis butterfly --signal sulc5.gii --keep 0.1
 
 With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level; as fields of a shape, --inverse reads them back.")]
@@ -58,6 +62,8 @@ pub(crate) struct TransformArgs {
     pub(crate) labels: LabelArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
+    #[command(flatten)]
+    pub(crate) time: TimeArgs,
     /// Coefficients of wavelets by lifting instead of bands: as many as the signal has values. All families but
     /// irregular need a mesh that was made by cutting triangles into four
     #[arg(long, value_name = "FAMILY", value_parser = parse_named::<Family>(), help_heading = "Basis")]
@@ -84,11 +90,16 @@ struct TransformJob {
     file: BandsFile,
     input: Input,
     signal: Signal,
+    /// Bands along time.
+    time: Option<TimeBands>,
     decomposer: Decomposer,
     schedule: Schedule,
     levels_reason: String,
     params: BandsParams,
 }
+
+/// Name, shape and values of an array.
+type NamedArray<'a> = (&'static str, Vec<usize>, Cow<'a, [f64]>);
 
 /// Seconds that each part took.
 struct TransformSeconds {
@@ -129,8 +140,15 @@ fn resolve(
     let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     input.check_lengths(&args.levels.given_lengths())?;
     let name = args.signal.name_on(&input.file);
-    let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    let mut signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
+    let time = TimeBands::resolve(&args.time, name, &mut signal, global)?;
+    if time.is_some() && !matches!(file, BandsFile::Npz) {
+        return Err(CliError::Input(format!(
+            "bands in space and time have two indices, which .npz alone holds; write to .npz instead of {}",
+            args.output.display()
+        )));
+    }
     let file = if matches!(file, BandsFile::Npz) {
         file
     } else {
@@ -143,7 +161,7 @@ fn resolve(
     let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let (schedule, levels_reason) = (levels.schedule, levels.reason);
-    Ok((TransformJob { file, input, signal, decomposer, schedule, levels_reason, params }, read))
+    Ok((TransformJob { file, input, signal, time, decomposer, schedule, levels_reason, params }, read))
 }
 
 fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
@@ -164,7 +182,8 @@ fn write(
 ) -> Result<(), CliError> {
     match job.file {
         BandsFile::Npz => with_spinner(global, "writing", || {
-            write_npz(global, &args.output, &job.input, &job.signal.values, bands)
+            let extra = job.time.as_ref();
+            write_arrays(global, &args.output, &job.input, &job.signal.values, bands, extra)
         }),
         BandsFile::Alone(kind) => {
             let write = || kind.write(global, &args.output, &band_fields(bands), &job.input.file);
@@ -205,13 +224,17 @@ fn report(
             ]
         }),
     );
+    if let Some(time) = &job.time {
+        text.push('\n');
+        time.describe(&mut text, None);
+    }
     let TransformSeconds { read, prepare, split, write } = seconds;
     text += &format!(
         "\nread {read:.3} s, diffusion {prepare:.3} s, bands {split:.3} s, written {write:.3} s{}\n{}\n",
         peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),
         args.output.display(),
     );
-    let json: Value = json!({
+    let mut json: Value = json!({
         "shape": job.input.name,
         "output": args.output.display().to_string(),
         "field": name,
@@ -230,6 +253,9 @@ fn report(
         "seconds": {"read": read, "diffusion": prepare, "bands": split, "write": write},
         "peak_memory_bytes": peak_memory(),
     });
+    if let Some(time) = &job.time {
+        json["time"] = time.to_json(None);
+    }
     print(global, &text, &json)
 }
 
@@ -241,35 +267,63 @@ pub(crate) fn write_npz(
     signal: &[f64],
     bands: &Bands,
 ) -> Result<(), CliError> {
+    write_arrays(global, path, input, signal, bands, None)
+}
+
+/// [`write_npz`], with bands in space and time instead of scaling and wavelet where `time` is given.
+fn write_arrays(
+    global: &Global<'_>,
+    path: &Path,
+    input: &Input,
+    signal: &[f64],
+    bands: &Bands,
+    time: Option<&TimeBands>,
+) -> Result<(), CliError> {
     let provenance = provenance(global)?.to_json();
     let (d, levels) = (bands.n_channels, bands.n_levels());
     let file = &input.file;
     let n = file.n_file_rows();
-    let in_rows = |values: Vec<f64>, n_channels: usize| match file.file_rows() {
-        Some(rows) => rows.spread_values(&values, n_channels),
-        None => values,
-    };
-    let scaling = in_rows(all_scaling(signal, bands), d);
-    let all_wavelets = &bands.as_slice()[..levels * bands.n_vertices * d];
-    let spread = file.file_rows().map(|rows| rows.spread_values(all_wavelets, d));
-    let wavelet = spread.as_deref().unwrap_or(all_wavelets);
     // Of an image or a volume, an axis for each of its axes.
     let sizes = file.grid().map_or_else(|| vec![n], |grid| grid.sizes.clone());
-    let shape = |n_arrays: usize| [&[n_arrays][..], &sizes, &[d]].concat();
-    let (scaling_shape, wavelet_shape) = (shape(levels + 1), shape(levels));
+    let shape = |n_arrays: &[usize]| [n_arrays, &sizes, &[d]].concat();
+    let parts: Vec<NamedArray<'_>> = if let Some(time) = time {
+        let n_bands = time.widths.len() + 1;
+        let mut all = Vec::with_capacity((levels + 1) * n_bands * signal.len());
+        for band in bands.as_slice().chunks_exact(bands.n_vertices * d) {
+            all.extend(time.bands(band, global.progress())?.concat());
+        }
+        let time_sigma = [&[0.0][..], &time.widths].concat();
+        vec![
+            ("band", shape(&[levels + 1, n_bands]), in_rows(file, Cow::Owned(all), d)),
+            ("time_sigma", vec![n_bands], Cow::Owned(time_sigma)),
+            ("time_step", Vec::new(), Cow::Owned(vec![time.axis.step()])),
+        ]
+    } else {
+        let wavelet = &bands.as_slice()[..levels * bands.n_vertices * d];
+        vec![
+            ("scaling", shape(&[levels + 1]), in_rows(file, Cow::Owned(all_scaling(signal, bands)), d)),
+            ("wavelet", shape(&[levels]), in_rows(file, Cow::Borrowed(wavelet), d)),
+        ]
+    };
     let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
-    let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
-        ("scaling", &scaling_shape, ArrayValues::F64(&scaling)),
-        ("wavelet", &wavelet_shape, ArrayValues::F64(wavelet)),
-        ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
-        ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
-    ];
-    let points = input.shape.points().map(|points| in_rows(points.as_flattened().to_vec(), 3));
+    let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> =
+        parts.iter().map(|(name, shape, values)| (*name, &shape[..], ArrayValues::F64(values))).collect();
+    arrays.push(("steps", &levels_shape, ArrayValues::F64(&bands.steps)));
+    arrays.push(("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)));
+    let points = input.shape.points().map(|points| in_rows(file, Cow::Borrowed(points.as_flattened()), 3));
     if let Some(points) = &points {
         arrays.push(("points", &points_shape, ArrayValues::F64(points)));
     }
     arrays.push(("provenance", &[], ArrayValues::Text(&provenance)));
     write_file_with(global, path, |path| adwave_io::write_npz(path, &arrays, Compression::Stored))
+}
+
+/// Values with a row for each row of the file.
+fn in_rows<'a>(file: &ShapeFile, values: Cow<'a, [f64]>, n_channels: usize) -> Cow<'a, [f64]> {
+    match file.file_rows() {
+        Some(rows) => Cow::Owned(rows.spread_values(&values, n_channels)),
+        None => values,
+    }
 }
 
 /// The fields W1 … WJ and SJ.

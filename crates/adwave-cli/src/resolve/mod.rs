@@ -8,5 +8,6 @@ pub(crate) mod pose;
 pub(crate) mod region;
 pub(crate) mod shape;
 pub(crate) mod signal;
+pub(crate) mod time;
 pub(crate) mod up;
 pub(crate) mod walk;

@@ -402,7 +402,9 @@ pub(crate) fn make_sample(name: &str, size: &SampleSize) -> Result<ShapeFile, Cl
         }
         let mut file = ShapeFile::from_grid(GridLayout::new(&grid.sizes, &grid.spacings))?;
         let values = grid.values.iter().map(|v| *v as f32).collect();
-        file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F32(values)))?;
+        let mut field = Field::new(GRID_VALUES, grid.n_frames, FieldValues::F32(values));
+        field.frame_step = grid.frame_step;
+        file.add_vertex_field(field)?;
         return Ok(file);
     }
     let mut sample = Sample::from_name(name, size.n_vertices).map_err(CliError::input)?;

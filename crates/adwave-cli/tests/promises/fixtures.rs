@@ -39,6 +39,7 @@ fn write_fixtures(folder: &Path) {
     save(&cloud(2), &at("cloud2.ply"));
     save(&single(), &at("single.ply"));
     write_path(&image(), &at("image.tif"), None).unwrap();
+    write_path(&series(), &at("series.nii"), None).unwrap();
     for (name, seed) in [("curve.obj", 1), ("curve2.obj", 2)] {
         fs::write(at(name), curve(seed)).unwrap();
     }
@@ -101,6 +102,16 @@ fn image() -> ShapeFile {
     let value = |k: usize| (60 + 90 * usize::from(k % 30 > 13) + k * 7919 % 23) as u8;
     file.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::U8((0..720).map(value).collect())))
         .unwrap();
+    file
+}
+
+/// A small volume that changes over 20 frames.
+fn series() -> ShapeFile {
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[5, 6, 7], &[3.0, 2.0, 2.0])).unwrap();
+    let value = |i: usize| ((i / 20 * 7919 % 23) as f32 + 3.0 * (i % 20 * 37 % 11) as f32).sin();
+    let mut field = Field::new(GRID_VALUES, 20, FieldValues::F32((0..4200).map(value).collect()));
+    field.frame_step = Some(1.5);
+    file.add_vertex_field(field).unwrap();
     file
 }
 

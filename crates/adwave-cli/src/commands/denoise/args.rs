@@ -1,8 +1,8 @@
 //! The arguments of `adwave denoise`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
-    shared_noise, value_type,
+    GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeAxisArgs, number,
+    parse_named, region, shared_noise, value_type,
 };
 use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers, SharedNoise};
 use adwave::positions::Borders;
@@ -47,6 +47,7 @@ Examples:
   adwave denoise scan.obj -o clean.ply --noise-map
   adwave denoise scan.laz -o clean.laz --outliers drop
   adwave denoise volume.nii.gz -o clean.nii.gz
+  adwave denoise bold.nii.gz -o clean.nii.gz --in-time
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
@@ -103,6 +104,11 @@ pub(crate) struct DenoiseArgs {
     pub(crate) border: Option<Borders>,
     #[command(flatten)]
     pub(crate) normals: NormalArgs,
+    /// Remove noise in space and time together, from a field whose channels are frames
+    #[arg(long, help_heading = "Time")]
+    pub(crate) in_time: bool,
+    #[command(flatten)]
+    pub(crate) time: TimeAxisArgs,
 }
 
 impl DenoiseArgs {

@@ -10,20 +10,25 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::values_file::{holds_fields, unsuitable_format};
-use crate::output::{count, number, print};
+use crate::output::{count, number, print, table};
 use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
 };
 use crate::resolve::region::{note_region, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
+use crate::resolve::time::{resolve_frames, restore_held};
 use crate::resolve::walk::with_given_walk;
-use adwave::denoise::{NoiseModel, Outliers, SharedNoise, SignalNoise, denoise, denoise_signal};
+use adwave::bands::FWHM;
+use adwave::denoise::{
+    NoiseModel, Outliers, SeriesNoise, SharedNoise, SignalNoise, denoise, denoise_series, denoise_signal,
+};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
 use adwave::signal::find_close_sheets;
+use adwave::time::TimeAxis;
 use adwave_io::{Field, FieldValues};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
@@ -42,7 +47,14 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     set_value_type(&mut input, &args.output, args.value_type, global)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
+    if !args.in_time {
+        global.given.refuse(&["--time-step", "--time-ends"], "applies to a series of frames (--in-time)")?;
+    }
     if name == COORDS {
+        global.given.refuse(
+            &["--in-time"],
+            "applies to a field whose channels are frames (--signal), and the signal is coords",
+        )?;
         global.given.refuse(&["--texture"], "applies to signals of a texture, and the signal is coords")?;
         global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
         global.given.refuse(&["--noise-model"], "applies to a field (--signal), and the signal is coords")?;
@@ -187,13 +199,23 @@ fn denoise_field(
         )));
     }
     global.given.refuse(&["--keep-normals"], &format!("applies to coordinates, and the signal is {name}"))?;
-    let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    let mut signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
+    let series = args.in_time.then(|| resolve_frames(&args.time, name, &mut signal, global)).transpose()?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let parts = SignalParts::new(&prepare(global, &input, &operator)?, &signal, name, global)?;
     let decomposer = parts.first().decomposer.clone();
-    let mut infos = Vec::new();
+    let (mut infos, mut series_infos) = (Vec::new(), Vec::new());
     let mut values = parts.map(&signal.values, |part, values, n_channels| {
+        if let Some((axis, _)) = &series {
+            // All channels are NaN at the same vertices.
+            let denoised = with_progress(global, "denoising", |progress| {
+                denoise_series(&part.decomposer, axis, values, 1, &args.to_params(), progress)
+            })
+            .map_err(|e| CliError::classify(&e))?;
+            series_infos.push(denoised.info);
+            return Ok(denoised.values);
+        }
         let denoised = with_progress(global, "denoising", |progress| {
             denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
         })
@@ -204,6 +226,9 @@ fn denoise_field(
         }
         Ok(denoised.values)
     })?;
+    if let Some((_, held)) = &series {
+        restore_held(held, &mut values);
+    }
     infos.sort_by_key(|info| info.channels.first().copied());
     if !args.region.is_empty() {
         let region = union_of_regions(&args.region);
@@ -222,8 +247,11 @@ fn denoise_field(
     for info in &infos {
         describe_channel(&mut text, info);
     }
+    if let (Some((axis, _)), Some(info)) = (&series, series_infos.first()) {
+        describe_series(&mut text, axis, info);
+    }
     let _ = writeln!(text, "{}", args.output.display());
-    let report = json!({
+    let mut report = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
         "field": name,
@@ -231,7 +259,38 @@ fn denoise_field(
         "local_fit": fit,
         "denoise": infos,
     });
+    if let (Some((axis, _)), Some(info)) = (&series, series_infos.first()) {
+        report["denoise"] = json!(info);
+        report["time"] = json!({"frames": axis.n_frames(), "step": axis.step(), "ends": axis.ends().name()});
+    }
     print(global, &text, &report)
+}
+
+/// Adds the noise of a series and a table of what became of its bands along time.
+fn describe_series(text: &mut String, axis: &TimeAxis, info: &SeriesNoise) {
+    let [before, after] = info.risk.map(f64::sqrt);
+    let _ = writeln!(
+        text,
+        "time: {}, one every {} s; ends: {}\nnoise {}; expected error {} → {} (rms)",
+        count(axis.n_frames(), "frame", "frames"),
+        number(axis.step()),
+        axis.ends(),
+        number(info.noise),
+        number(before),
+        number(after),
+    );
+    let band = |i: usize| match (i.checked_sub(1).and_then(|k| info.widths.get(k)), info.widths.get(i)) {
+        (_, Some(width)) => format!("up to {} s", number(FWHM * width)),
+        (Some(width), None) => format!("slower than {} s", number(FWHM * width)),
+        (None, None) if i == 0 => "all that changes".to_owned(),
+        (None, None) => "steady".to_owned(),
+    };
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let rows = info.weights.iter().enumerate().map(|(i, weights)| {
+        let (unchanged, dropped) = (weights[0], weights[weights.len() - 1]);
+        [band(i), percent(unchanged), percent(1.0 - unchanged - dropped), percent(dropped)]
+    });
+    *text += &table(["along time (FWHM)", "unchanged", "smoothed in space", "dropped"], rows);
 }
 
 /// Adds a line on the noise of a channel and on how it was smoothed.

@@ -79,9 +79,7 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     } else {
         (difference(args, &first, &mut second, &decomposer, global)?, None)
     };
-    let values = SignalValues::Other(found.values.clone());
-    let signal =
-        Signal { n_channels: found.n_channels, values, channel_names: Vec::new(), unknown: Vec::new() };
+    let signal = Signal::new(found.n_channels, SignalValues::Other(found.values.clone()));
     let decomposer = match missing(&signal.values, signal.n_channels).filter(|_| is_grid) {
         // The text tells how many places are compared.
         Some(flags) => decomposer.masked(&flags).map_err(CliError::input)?,

@@ -1,8 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number,
-    parse_named, region, regions_help, value_type,
+    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeArgs,
+    TimeGainArgs, number, parse_named, region, regions_help, value_type,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
@@ -31,6 +31,7 @@ Examples:
     --preset suppress-paper --levels 3
   adwave filter volume.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --only values=5..
   adwave filter dem.tif -o plain.tif --lengths 100 --gains 0 --value-type f32
+  adwave filter bold.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --time-fwhm 4s
   adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress \\
     --mask lh.cortex.label
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
@@ -61,6 +62,10 @@ pub(crate) struct FilterArgs {
     pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) edit: EditArgs,
+    #[command(flatten)]
+    pub(crate) time: TimeArgs,
+    #[command(flatten)]
+    pub(crate) time_gains: TimeGainArgs,
     #[command(flatten)]
     pub(crate) normals: NormalArgs,
 }

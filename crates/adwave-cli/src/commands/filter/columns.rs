@@ -60,8 +60,7 @@ fn write_groups(
         } else {
             mark_unknown(&mut values, channels.len())
         };
-        let (n_together, values) = (channels.len(), SignalValues::Other(values));
-        let signal = Signal { n_channels: n_together, values, channel_names: Vec::new(), unknown };
+        let signal = Signal { unknown, ..Signal::new(channels.len(), SignalValues::Other(values)) };
         let name = if channels.len() < n_channels {
             format!("{}, channels {} to {}", job.signal_name, at + 1, channels.end)
         } else {

@@ -85,8 +85,14 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
             note_region(&layer.region, &job.input.file, &decomposer, global)?;
         }
         let chosen = LevelsAndLayers { schedule: &schedule, layers: &layers };
-        let EditedGroup { values, accuracy } =
-            edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?;
+        let EditedGroup { mut values, accuracy } = if job.is_in_time_alone() {
+            EditedGroup { values: job.signal.values.to_vec(), accuracy: None }
+        } else {
+            edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?
+        };
+        if let Some((time, gains)) = &job.time {
+            time.filter(&mut values, gains, progress.quiet())?;
+        }
         let is_shape = job.signal_name == COORDS;
         // For positions, the movement is reported instead.
         let change =

@@ -12,6 +12,7 @@ use crate::resolve::pose::ReshapedBy;
 use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
+use crate::resolve::time::TimeBands;
 use crate::resolve::walk::with_given_walk;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
@@ -35,6 +36,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) operator: OperatorParams,
     pub(super) levels: FilterLevels,
     pub(super) layers: Vec<Layer>,
+    /// Bands along time, and their gains.
+    pub(super) time: Option<(TimeBands, Vec<f64>)>,
     pub(super) keep_volume: Option<KeepVolume>,
     /// Local fit of a field or of one coordinate; `None` for coordinates that move in other directions.
     pub(super) local_fit: Option<LocalFit>,
@@ -49,6 +52,13 @@ pub(super) struct FilterJob<'a> {
     pub(super) save_recipe: Option<SaveRecipe<'a>>,
     /// True if a recipe is read or saved, which gives the same bits wherever it is applied.
     pub(super) has_recipe: bool,
+}
+
+impl FilterJob<'_> {
+    /// True if nothing but bands along time is changed.
+    pub(super) fn is_in_time_alone(&self) -> bool {
+        self.layers.is_empty() && self.time.is_some()
+    }
 }
 
 /// The levels of a filter.
@@ -81,7 +91,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let edit = &args.edit;
     let recipe = edit.recipe.as_deref().map(|path| load_recipe(path, global)).transpose()?;
     let recipe = recipe.as_ref();
-    let layers = layers(edit, recipe, global)?;
+    let layers = layers(args, recipe, global)?;
     let levels = levels(args, recipe);
     let operator = operator(args, recipe)?;
     let input = load_shape(&args.shape, global)?;
@@ -96,11 +106,10 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         region_in_shape(&layer.region, &input)?;
     }
     let columns = columns_of_signal(args, &input, &signal_name, result);
-    let signal = match &columns {
+    let mut signal = match &columns {
         Some(columns) => {
             global.inputs.add_signal(&signal_name, None);
-            let (n_channels, values) = (columns.n_channels(), SignalValues::Other(Vec::new()));
-            Signal { n_channels, values, channel_names: Vec::new(), unknown: Vec::new() }
+            Signal::new(columns.n_channels(), SignalValues::Other(Vec::new()))
         }
         None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
     };
@@ -111,6 +120,11 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
         None
     };
+    let time = TimeBands::resolve(&args.time, &signal_name, &mut signal, global)?;
+    let time = time.map(|time| {
+        let gains = args.time_gains.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
+        (time, gains)
+    });
     if signal_name != COORDS {
         let applies = format!("applies to coordinates, and the signal is {signal_name}");
         global.given.refuse(&["--along", "--border", "--keep-volume", "--keep-normals"], &applies)?;
@@ -136,6 +150,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         operator,
         levels,
         layers,
+        time,
         keep_volume: edit.keep_volume,
         local_fit: fit.filter(|_| labels.is_none()),
         labels,
@@ -193,7 +208,10 @@ fn columns_of_signal(
     let is_array = has_extension(path, &["npy"]) && has_extension(output, &["npy"]);
     // A pipe or a device takes bytes in order.
     let is_file = path.is_file() && (output.is_file() || !output.exists());
-    let is_plain = args.signal.texture.is_none() && !args.as_labels && !args.labels.as_numbers;
+    let is_plain = args.time.widths().is_none()
+        && args.signal.texture.is_none()
+        && !args.as_labels
+        && !args.labels.as_numbers;
     let is_of_shape = input.file.field(name).is_some() || input.file.file_rows().is_some();
     if !is_array || !is_file || !is_plain || is_of_shape || input.mesh_of_cells.is_some() {
         return None;
@@ -226,7 +244,15 @@ fn reshaped_by(recipe: Option<&Recipe>, signal_name: &str) -> Result<Option<Resh
 }
 
 /// The layers that the flags or the recipe ask for.
-fn layers(args: &EditArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
+fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
+    let (is_in_time, args) = (args.time.widths().is_some(), &args.edit);
+    if is_in_time {
+        // A recipe would lose them.
+        global.given.refuse(
+            &["--save-recipe", "--as-labels"],
+            "applies to bands in space, and bands along time are asked for",
+        )?;
+    }
     if let Some(recipe) = recipe {
         if recipe.layers.is_empty() && ReshapedBy::from_recipe(recipe).is_none() {
             note(global, "the recipe has no [[layer]], so nothing changes");
@@ -236,8 +262,15 @@ fn layers(args: &EditArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Resu
     let gains = match (args.preset, &args.gains) {
         (Some(preset), _) => Gains::Preset(preset),
         (None, Some(gains)) => Gains::Gains(gains.clone()),
+        (None, None) if is_in_time => {
+            let applies = "applies to bands in space; give --preset or --gains for them";
+            global.given.refuse(&["--levels", "--steps", "--lengths", "--fwhm", "--region"], applies)?;
+            return Ok(Vec::new());
+        }
         (None, None) => {
-            return Err(CliError::Input("nothing to change; give --preset, --gains or --recipe".to_owned()));
+            return Err(CliError::Input(
+                "nothing to change; give --preset, --gains, --recipe, or --time-fwhm for a series".to_owned(),
+            ));
         }
     };
     Ok(vec![Layer { gains, region: union_of_regions(&args.region) }])

@@ -1,6 +1,6 @@
 //! The result of a filter as a file, as a recipe, and as a report.
 
-use super::compute::{BandsAccuracy, Filtered};
+use super::compute::{BandsAccuracy, Filtered, SignalChange};
 use super::resolve::{FilterJob, SavedLevels};
 use crate::commands::result_file::EditedSignal;
 use crate::error::CliError;
@@ -9,6 +9,7 @@ use crate::output::denoising::describe_local_fit;
 use crate::output::movement::Movement;
 use crate::output::{count, number, print, steps_json, write_file_with};
 use crate::resolve::pose::ReshapedBy;
+use crate::resolve::shape::Input;
 use crate::resolve::signal::COORDS;
 use adwave::LevelSpec;
 use adwave::bands::Precision;
@@ -20,16 +21,17 @@ use std::fmt::Write;
 /// Writes the result of a job and reports it.
 pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<'_>) -> Result<(), CliError> {
     let saved_levels = job.save_recipe.map(|saved| levels_to_save(&job, &filtered, saved.levels));
+    let is_in_time_alone = job.is_in_time_alone();
     let Filtered { decomposer, schedule, layers, edited, change, accuracy } = filtered;
     let (signal, output) = (job.signal_name, job.result.path().display().to_string());
     let n_vertices = job.input.shape.n_vertices();
     let sigma = schedule.sigma(decomposer.operator().step_length());
-    let mut text = format!(
-        "{}: {}, {}\n",
-        job.input.name,
-        job.input.count_rows(),
-        count(schedule.n_levels(), "level", "levels")
-    );
+    let levels = if is_in_time_alone {
+        String::new()
+    } else {
+        format!(", {}", count(schedule.n_levels(), "level", "levels"))
+    };
+    let mut text = format!("{}: {}{levels}\n", job.input.name, job.input.count_rows());
     let mut report = json!({
         "shape": job.input.name,
         "output": output,
@@ -40,10 +42,14 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         "sigma": sigma,
         "layers": layers,
     });
-    if let Some(fit) = job.local_fit {
+    if let Some(fit) = job.local_fit.filter(|_| !is_in_time_alone) {
         let fit = decomposer.applied_local_fit(fit);
         describe_local_fit(&mut text, fit);
         report["local_fit"] = json!(fit);
+    }
+    if let Some((time, gains)) = &job.time {
+        time.describe(&mut text, Some(gains));
+        report["time"] = time.to_json(Some(gains));
     }
     if let EditedSignal::Points(points) = &edited {
         let geometry = decomposer.geometry_for("a report of the movement")?;
@@ -53,20 +59,8 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {
             movement.note_unusual(*widest, global);
         }
-    } else if let Some(labels) = &job.labels {
-        let n_labels = labels.len();
-        let _ = writeln!(
-            text,
-            "{signal}: {}, changed at {} of {}",
-            count(n_labels, "label", "labels"),
-            change.n_changed,
-            job.input.count_rows()
-        );
-        report["labels"] = json!({"different": n_labels, "changed": change.n_changed});
     } else {
-        let (rms, max, rows) = (number(change.rms), number(change.max), job.input.row_words()[1]);
-        let _ = writeln!(text, "{signal} changed by {rms} (rms over the {rows}), {max} at most");
-        report["changed"] = json!({"rms": change.rms, "max": change.max});
+        describe_change(&job.input, job.labels.as_deref(), &signal, &change, &mut text, &mut report);
     }
     if let Some(by) = &job.reshaped_by {
         describe_reshape(by, &mut text, &mut report);
@@ -96,6 +90,27 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let _ = writeln!(text, "{}", saved.path.display());
     }
     print(global, &text, &report)
+}
+
+/// Adds the change of a field: how many labels are others, or by how much numbers differ.
+fn describe_change(
+    input: &Input,
+    labels: Option<&[f64]>,
+    signal: &str,
+    change: &SignalChange,
+    text: &mut String,
+    report: &mut serde_json::Value,
+) {
+    if let Some(labels) = labels {
+        let (n_labels, n_changed) = (labels.len(), change.n_changed);
+        let different = count(n_labels, "label", "labels");
+        let _ = writeln!(text, "{signal}: {different}, changed at {n_changed} of {}", input.count_rows());
+        report["labels"] = json!({"different": n_labels, "changed": n_changed});
+    } else {
+        let (rms, max, rows) = (number(change.rms), number(change.max), input.row_words()[1]);
+        let _ = writeln!(text, "{signal} changed by {rms} (rms over the {rows}), {max} at most");
+        report["changed"] = json!({"rms": change.rms, "max": change.max});
+    }
 }
 
 /// Adds the clones and handles of the recipe.

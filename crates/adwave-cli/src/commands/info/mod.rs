@@ -172,7 +172,10 @@ impl ShapeFacts {
             text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
         }
         text += &input.file.provenance().map_or_else(String::new, provenance_text);
-        let describe = |f: &Field| format!("{} ({})", f.name, f.n_channels);
+        let describe = |f: &Field| match f.frame_step {
+            Some(step) => format!("{} ({} frames, one every {} s)", f.name, f.n_channels, number(step)),
+            None => format!("{} ({})", f.name, f.n_channels),
+        };
         let face_fields = input.file.face_fields();
         if !face_fields.is_empty() {
             let names = face_fields.iter().map(describe).collect::<Vec<_>>();
@@ -214,7 +217,7 @@ impl ShapeFacts {
             "shape": input.name,
             "kind": input.kind_name(),
             "format": self.format_name(),
-            "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+            "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels, "frame_step": f.frame_step})).collect::<Vec<_>>(),
             "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "unit": input.file.length_unit().map(LengthUnit::name),
             "unit_in_meters": input.file.length_unit().and_then(LengthUnit::meters),
