@@ -31,6 +31,7 @@ REFERENCE = {
     "_hierarchy": "Levels of subdivision",
     "_walk": "Walks on graphs and points",
     "_grid": "Images and volumes",
+    "_time": "Time",
     "_impute": "Averages over similar cells",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",

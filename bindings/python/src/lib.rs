@@ -30,6 +30,7 @@ mod register;
 mod repeatability;
 mod shape;
 mod studio;
+mod time;
 mod walk;
 
 use pyo3::prelude::*;
@@ -58,5 +59,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     hierarchy::add(module)?;
     repeatability::add(module)?;
     studio::add(module)?;
+    time::add(module)?;
     walk::add(module)
 }

@@ -61,6 +61,7 @@ from adwave._grid import Grid as Grid
 from adwave._grid import grid as grid
 from adwave._raster import Raster as Raster
 from adwave._raster import rasterize as rasterize
+from adwave._time import Time as Time
 from adwave._impute import Imputation as Imputation
 from adwave._impute import impute as impute
 from adwave._info import Info as Info
@@ -114,6 +115,7 @@ __all__ = [
     "SimplifyResult",
     "Steps",
     "StudioResult",
+    "Time",
     "Trials",
     "Walk",
     "Widths",

@@ -42,6 +42,7 @@ from adwave._other_names import PRESETS
 from adwave._part import NoiseModel, Part, default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
+from adwave._time import Time, frames_axis, split_in_time
 from adwave._walk import Walk
 
 if TYPE_CHECKING:
@@ -66,6 +67,32 @@ _Kind = TypeVar("_Kind")
 _Faces = TypeVar("_Faces")
 
 
+@overload
+def decompose(
+    shape: object,
+    signal: SignalLike = None,
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: None = None,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> Bands: ...
+@overload
+def decompose(
+    shape: object,
+    signal: SignalLike = None,
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: Time,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> NDArray[np.float64]: ...
+
+
 @public()
 def decompose(
     shape: object,
@@ -74,9 +101,10 @@ def decompose(
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
+    time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[PrecisionOptions],
-) -> Bands:
+) -> Bands | NDArray[np.float64]:
     """Split the positions of a shape, or a signal on it, into bands from fine to coarse.
 
     ``W_f(j) = S_f(j−1) − S_f(j)`` with ``S_f(j) = Φ₁^(n_j) f``; the bands and S_f(J) sum to the signal (eq. 11, eq. 15).
@@ -97,6 +125,8 @@ def decompose(
         How the diffusion is built. By default the walk, and heat on the surface if `levels` are widths.
     accuracy : float
         Largest error of a band relative to the band, 1e-13 to 0.1.
+    time : Time, optional
+        Bands along time too, of a signal with frames along its last axis (of (times, n) along its first).
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total), called from this thread.
     **options
@@ -109,7 +139,8 @@ def decompose(
     -------
     Bands
         An array of (levels + 1) × the shape of the signal, which can be changed band by band, in the number type of a
-        signal of floats (float32 for float32).
+        signal of floats (float32 for float32). With `time` a plain array, (levels + 1) × (levels of time + 1) × the shape
+        of the signal.
 
     Raises
     ------
@@ -140,7 +171,8 @@ def decompose(
     """
     own = grid_method("decompose", shape, options)
     if own is not None:
-        return own(signal, levels=levels, accuracy=accuracy, progress=progress, **options)
+        given = {} if time is None else {"time": time}
+        return own(signal, levels=levels, accuracy=accuracy, progress=progress, **given, **options)
     part = read_part("decompose", shape, options, _DECOMPOSE, signal)
     levels = levels_of(levels, options)
     signal = part.take_signal(default_signal(part, signal))
@@ -148,7 +180,8 @@ def decompose(
     values, layout = decomposer._signal_values(signal)
     precision = options.get("precision") or "auto"
     request = BandsRequest(values, decomposer.schedule(levels), accuracy, precision=precision)
-    return split_signal(decomposer, request, layout, part.selection, progress, float_type(signal))
+    bands = split_signal(decomposer, request, layout, part.selection, progress, float_type(signal))
+    return bands if time is None else split_in_time(time, np.asarray(bands), layout, progress)
 
 
 @overload
@@ -191,6 +224,7 @@ def smooth(
     lazy: bool = True,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
+    time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[SmoothOptions],
 ) -> object:
@@ -217,6 +251,8 @@ def smooth(
         steps the walk may leave the range of the signal by a few percent; heat never does.
     accuracy : float
         Largest error relative to the change.
+    time : Time, optional
+        Smooth along time too, a signal with frames along its last axis (of (times, n) along its first).
     progress : bool or callable, optional
         As in `decompose`.
     **options
@@ -248,10 +284,11 @@ def smooth(
         )
     own = grid_method("smooth", shape, options)
     if own is not None:
-        given = {"fwhm": fwhm, "rms": rms, "operator": operator}
+        given = {"fwhm": fwhm, "rms": rms, "operator": operator, "time": time}
         given = {name: value for name, value in given.items() if value is not None}
         return own(signal, steps, accuracy=accuracy, progress=progress, **given, **options)
-    if isinstance(shape, Walk) and steps is not None and fwhm is None and rms is None and not options and lazy:
+    is_plain = time is None and not options and lazy
+    if isinstance(shape, Walk) and steps is not None and fwhm is None and rms is None and is_plain:
         powers = shape._powers(signal, steps, progress)
         if powers is not None:
             return powers
@@ -266,8 +303,18 @@ def smooth(
     else:
         values = decomposer._walk(taken, levels)
     if signal is not None and not isinstance(signal, str):
-        return part.spread(values, _layout_of(decomposer, taken)).astype(float_type(signal), copy=False)
+        layout = _layout_of(decomposer, taken)
+        found = part.spread(values, layout).astype(float_type(signal), copy=False)
+        return found if time is None else time.smooth(found, axis=frames_axis(layout), progress=progress)
+    _refuse_time(time)
     return _with_named_signal(part, decomposer.shape, signal or "coords", values)
+
+
+def _refuse_time(time: Time | None) -> None:
+    if time is not None:
+        raise ValueError(
+            "time: it applies to numbers with frames, (n, times); pass them as the signal: aw.smooth(shape, f, …)"
+        )
 
 
 def _layout_of(decomposer: Decomposer, signal: SignalLike) -> Layout:
@@ -342,6 +389,7 @@ def filter(
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
     local_fit: LocalFit | None = None,
+    time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[FilterOptions],
 ) -> object:
@@ -377,6 +425,8 @@ def filter(
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
         as in `decompose` and `Bands.apply`. By default linear, and constant on an image or a volume.
+    time : Time, optional
+        Smooth along time too; other gains along time are those of `Time.filter`, before or after.
     progress : bool or callable, optional
         As in `decompose`.
     **options
@@ -404,7 +454,7 @@ def filter(
     """
     own = grid_method("filter", shape, options)
     if own is not None:
-        given = {"local_fit": local_fit, "operator": operator, "constraints": constraints}
+        given = {"local_fit": local_fit, "operator": operator, "constraints": constraints, "time": time}
         given = {name: value for name, value in given.items() if value is not None}
         return own(signal, gains, where=where, levels=levels, progress=progress, **given, **options)
     part = read_part("filter", shape, options, _FILTER, gains if signal is None else signal)
@@ -444,10 +494,12 @@ def filter(
                 return layout.arrange(decomposer._map_channels(values, filtered)), layout
 
             axis = channels_axis(named, decomposer.n_vertices) if part.selection is None else None
-            if isinstance(named, np.memmap) and axis is not None:
+            if isinstance(named, np.memmap) and axis is not None and time is None:
                 return map_columns(named, axis, len(steps) + 4, lambda group: edited(group)[0])
             found, layout = edited(named)
-        return part.spread(found, layout, named).astype(float_type(named), copy=False)
+        result = part.spread(found, layout, named).astype(float_type(named), copy=False)
+        return result if time is None else time.smooth(result, axis=frames_axis(layout), progress=progress)
+    _refuse_time(time)
     settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy, precision)
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 

@@ -31,6 +31,7 @@ from adwave._methods import Members
 from adwave._misfit import line_with, working_line
 from adwave._options import Length, LevelsLike, Numbers, Steps, Widths, check_steps
 from adwave._progress import ProgressLike
+from adwave._time import Time, frames_axis, split_in_time
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -158,6 +159,32 @@ class Grid(Members, Generic[_Own]):
         """The grid as a domain, which functions of shapes take in its place."""
         return self.prepare()
 
+    @overload
+    def decompose(
+        self,
+        signal: ArrayLike | None = None,
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: None = None,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands: ...
+
+    @overload
+    def decompose(
+        self,
+        signal: ArrayLike | None = None,
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: Time,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Values: ...
+
     @public()
     def decompose(
         self,
@@ -166,9 +193,10 @@ class Grid(Members, Generic[_Own]):
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
         accuracy: float = _native.ACCURACY,
+        time: Time | None = None,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
-    ) -> Bands:
+    ) -> Bands | Values:
         """Split a signal into bands from fine to coarse, which sum to it; see `adwave.decompose`.
 
         Parameters
@@ -181,6 +209,8 @@ class Grid(Members, Generic[_Own]):
             Levels by their standard deviations along one axis, in the unit of the spacing, as SciPy counts.
         accuracy : float
             Largest error of a band relative to the band, 1e-13 to 0.1.
+        time : Time, optional
+            Bands along time too, of a signal whose axes of channels are frames.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         **options
@@ -188,7 +218,7 @@ class Grid(Members, Generic[_Own]):
 
         Returns
         -------
-        Bands
+        Bands, or with `time` a plain array
             An array of (levels + 1) × the shape of the signal, in its number type if it has floats.
 
         Examples
@@ -200,7 +230,11 @@ class Grid(Members, Generic[_Own]):
         ((4, 48, 64), True)
         """
         wanted = levels_by_sigma("decompose", levels, sigma, dict(options))
-        return self.prepare().decompose(self._signal(signal), levels=wanted, accuracy=accuracy, progress=progress)
+        own = self._signal(signal)
+        bands = self.prepare().decompose(own, levels=wanted, accuracy=accuracy, progress=progress)
+        return (
+            bands if time is None else split_in_time(time, np.asarray(bands), self.layout_of(np.shape(own)), progress)
+        )
 
     @overload
     def smooth(
@@ -212,6 +246,7 @@ class Grid(Members, Generic[_Own]):
         sigma: float | None = None,
         rms: Length | None = None,
         accuracy: float = ...,
+        time: Time | None = None,
         progress: ProgressLike = None,
     ) -> _Own: ...
 
@@ -225,6 +260,7 @@ class Grid(Members, Generic[_Own]):
         sigma: float | None = None,
         rms: Length | None = None,
         accuracy: float = ...,
+        time: Time | None = None,
         progress: ProgressLike = None,
     ) -> Values: ...
 
@@ -238,6 +274,7 @@ class Grid(Members, Generic[_Own]):
         sigma: float | None = None,
         rms: Length | None = None,
         accuracy: float = _native.ACCURACY,
+        time: Time | None = None,
         progress: ProgressLike = None,
     ) -> _Own | Values:
         """Smooth a signal by one width, with a discrete Gaussian: constants, sums and the range are kept to the accuracy.
@@ -258,6 +295,8 @@ class Grid(Members, Generic[_Own]):
             Root mean square distance in a plane instead of steps, √2 standard deviations, as for shapes.
         accuracy : float
             Largest error relative to the change.
+        time : Time, optional
+            Smooth along time too, a signal whose axes of channels are frames.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
@@ -296,7 +335,7 @@ class Grid(Members, Generic[_Own]):
             levels = Steps(check_steps([steps])) if steps is not None else Widths(**{names[0]: [given[names[0]]]})  # type: ignore[dict-item]
         owner = self.prepare()
         values = owner._smooth(own, owner.schedule(levels), accuracy, progress)
-        return self._result(values, signal)
+        return self._result(self._in_time(time, values, own, progress), signal)
 
     @overload
     def filter(self, gains: GainsLike, /, **options: Unpack[GridFilterCall]) -> _Own: ...
@@ -321,6 +360,7 @@ class Grid(Members, Generic[_Own]):
         sigma: float | Sequence[float] | None = None,
         local_fit: LocalFit = "constant",
         accuracy: float = _native.ACCURACY,
+        time: Time | None = None,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
     ) -> object:
@@ -340,6 +380,8 @@ class Grid(Members, Generic[_Own]):
         local_fit : {'linear', 'constant'}
             What smoothing leaves unchanged: ``'constant'`` is heat itself, which keeps the sum; ``'linear'`` keeps slopes
             up to the border.
+        time : Time, optional
+            Smooth along time too.
         accuracy, progress
             As in `decompose`.
 
@@ -369,7 +411,7 @@ class Grid(Members, Generic[_Own]):
             accuracy=accuracy,
             progress=progress,
         )
-        return self._result(found, signal)
+        return self._result(self._in_time(time, found, self._signal(signal), progress), signal)
 
     @public()
     def denoise(
@@ -568,6 +610,12 @@ class Grid(Members, Generic[_Own]):
             line = working_line(sys._getframe(1).f_code.co_name, name_it, f"grid.smooth(sigma={signal!r})")
             raise ValueError(f"signal: {signal!r} is a single number; a width goes by name{line}")
         return signal
+
+    def _in_time(self, time: Time | None, values: Any, signal: Any, progress: ProgressLike) -> Any:
+        """Values of a signal smoothed along time too."""
+        if time is None:
+            return values
+        return time.smooth(values, axis=frames_axis(self.layout_of(np.shape(signal))), progress=progress)
 
     def _result(self, values: Any, signal: Any) -> Any:
         """Values in the number type and the kind of object of their signal."""

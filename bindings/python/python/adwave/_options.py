@@ -6,10 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Literal, Protocol, TypedDict, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from adwave._time import Time
 
 Length = Union[float, str]
 """A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``."""
@@ -155,6 +158,7 @@ class GridFilterCall(LevelOptions, total=False):
     sigma: Union[float, Sequence[float], None]
     local_fit: Literal["linear", "constant"]
     accuracy: float
+    time: Union[Time, None]
     progress: Union[bool, Callable[[int, int], object], None]
 
 

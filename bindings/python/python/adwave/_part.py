@@ -34,6 +34,7 @@ from adwave._options import Constraints, Length, LevelOptions, LevelsLike, Opera
 from adwave._other_names import NEIGHBOR_NAMES
 from adwave._progress import ProgressLike
 from adwave._shape import Conditions, Path, Shape, as_shape
+from adwave._time import Time
 
 
 class PartOptions(TypedDict, total=False):
@@ -103,6 +104,7 @@ class SmoothCall(SmoothOptions, total=False):
     lazy: bool
     operator: OperatorLike
     accuracy: float
+    time: Union[Time, None]
     progress: ProgressLike
 
 
@@ -114,6 +116,7 @@ class FilterCall(FilterOptions, total=False):
     operator: OperatorLike
     constraints: Union[Constraints, None]
     local_fit: Union[Literal["linear", "constant"], None]
+    time: Union[Time, None]
     progress: ProgressLike
 
 
