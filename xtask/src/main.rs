@@ -3,6 +3,7 @@
 mod clouds;
 mod denoise;
 mod grids;
+mod lints;
 mod matching;
 mod meshings;
 mod notices;
@@ -78,23 +79,16 @@ const FUZZED_SECONDS: &str = "60";
 
 /// Arguments that build the libraries and the programs that the tests of the page and of the package run. The tests of
 /// the workspace are built too, so that the libraries have the same features as those of `cargo test`.
-const BUILD_WITH_TESTS: [&str; 10] = [
-    "build",
-    "--workspace",
-    "--locked",
-    "--quiet",
-    "--lib",
-    "--tests",
-    "--bin",
-    "adwave",
-    "--bin",
-    "adwave-fuzz",
-];
+const BUILD_WITH_TESTS: [&str; 8] =
+    ["build", "--workspace", "--locked", "--quiet", "--lib", "--tests", "--bins", "--benches"];
 
 /// Result of a step; the error is one line of text.
 type StepResult = Result<(), String>;
 
 fn main() -> ExitCode {
+    if let Some(outcome) = lints::stand_in_for_rustdoc() {
+        return exit_code(outcome);
+    }
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
@@ -126,6 +120,10 @@ fn main() -> ExitCode {
         }
         _ => Err(USAGE.to_owned()),
     };
+    exit_code(outcome)
+}
+
+fn exit_code(outcome: StepResult) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(what) => {
@@ -195,8 +193,19 @@ fn test() -> StepResult {
         studio::install_requirements()
     });
     cargo(&["fmt", "--all", "--check"], &[])?;
-    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
-    cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    if is_bare() {
+        lints::Compilers::use_from_now_on();
+    }
+    if lints::Compilers::in_use().is_none() {
+        cargo(
+            &["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"],
+            &[],
+        )?;
+        cargo(
+            &["doc", "--workspace", "--no-deps", "--locked", "--quiet"],
+            &[("RUSTDOCFLAGS", "-D warnings")],
+        )?;
+    }
     cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
@@ -318,6 +327,9 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
             ("CARGO_PROFILE_DEV_DEBUG", "0"),
             ("CARGO_PROFILE_DEV_CODEGEN_UNITS", parts.as_str()),
         ]);
+    }
+    if let Some(compilers) = lints::Compilers::in_use() {
+        command.envs(compilers.variables());
     }
     run(command.current_dir(root()).args(arguments).envs(variables.iter().copied()))
 }
