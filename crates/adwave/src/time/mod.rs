@@ -257,9 +257,7 @@ impl TimeAxis {
         progress: Progress<'_>,
     ) -> Result<(), TimeError> {
         self.check(values.len(), n_components, widths)?;
-        if gains.len() != widths.len() || gains.iter().any(|gain| !gain.is_finite()) {
-            return Err(TimeError::Gains { n_bands: widths.len(), gains: gains.to_vec() });
-        }
+        Self::check_bands(widths, gains)?;
         let is_smoothing = gains.iter().all(|gain| *gain == 0.0);
         let row = self.n_frames * n_components;
         let together = (VALUES_TOGETHER / row).max(1) * row;
@@ -343,6 +341,17 @@ impl TimeAxis {
         let row = self.n_frames * n_components;
         if row == 0 || !n_values.is_multiple_of(row) {
             return Err(TimeError::Values { n_frames: self.n_frames, n_components, found: n_values });
+        }
+        Self::check_bands(widths, &vec![0.0; widths.len()])
+    }
+
+    /// Checks widths and gains without values.
+    ///
+    /// # Errors
+    /// [`TimeError`] unless the widths increase from above 0 and there is a finite gain for each.
+    pub fn check_bands(widths: &[f64], gains: &[f64]) -> Result<(), TimeError> {
+        if gains.len() != widths.len() || gains.iter().any(|gain| !gain.is_finite()) {
+            return Err(TimeError::Gains { n_bands: widths.len(), gains: gains.to_vec() });
         }
         let is_increasing = widths.windows(2).all(|pair| pair[0] < pair[1]);
         if widths.is_empty() || !is_increasing || widths.iter().any(|width| !(1e-100..1e100).contains(width))
