@@ -32,6 +32,7 @@ mod report;
 mod reproduce;
 mod row_numbers;
 mod selection;
+mod series;
 mod simplify;
 mod slopes;
 mod strays;
