@@ -32,6 +32,7 @@ REFERENCE = {
     "_walk": "Walks on graphs and points",
     "_grid": "Images and volumes",
     "_time": "Time",
+    "_sequence": "Animations",
     "_impute": "Averages over similar cells",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",

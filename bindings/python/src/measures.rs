@@ -6,8 +6,9 @@ use crate::error::{self, StageError, stage, value_error};
 use crate::options::{BandsOptions, WeldOption, parse_name, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
+use crate::time::TimeOptions;
 use adwave::Progress;
-use adwave::denoise::{DenoiseParams, Outliers, SharedNoise, denoise, denoise_signal};
+use adwave::denoise::{DenoiseParams, Outliers, SharedNoise, denoise, denoise_series, denoise_signal};
 use adwave::features::{
     Feature, FeatureParams, Refinement, Response, ShapeCoordinates, ThresholdScope, coordinate_features,
     describe, features, value_step,
@@ -26,6 +27,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(saliency_map, module)?)?;
     module.add_function(wrap_pyfunction!(find_features, module)?)?;
     module.add_function(wrap_pyfunction!(denoise_points, module)?)?;
+    module.add_function(wrap_pyfunction!(denoise_frames, module)?)?;
     module.add_function(wrap_pyfunction!(denoise_values, module)?)?;
     module.add_function(wrap_pyfunction!(gaze_scores, module)?)
 }
@@ -352,6 +354,33 @@ fn denoise_values<'py>(
         found.push(own);
     }
     Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), found))
+}
+
+/// Values of a series without noise, vertices × (frames · components), and the estimates.
+#[pyfunction]
+#[pyo3(signature = (prepared, series, n_components, time, options, progress=None))]
+fn denoise_frames<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    series: PyReadonlyArray2<'_, f64>,
+    n_components: usize,
+    time: TimeOptions,
+    options: DenoiseOptions,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
+    let params = options.params()?;
+    let own = prepared.get();
+    let SignalValues { values, n_channels } = own.signal(Some(&series))?;
+    let axis = time.axis(n_channels / n_components.max(1))?;
+    let work = |p: Progress<'_>| denoise_series(&own.decomposer, &axis, values, n_components, &params, p);
+    let denoised = run(py, values.len(), progress.as_ref(), work)?;
+    let info = PyDict::new(py);
+    info.set_item("noise", denoised.info.noise)?;
+    info.set_item("widths", denoised.info.widths)?;
+    info.set_item("steps", denoised.info.steps)?;
+    info.set_item("weights", denoised.info.weights)?;
+    info.set_item("risk", denoised.info.risk)?;
+    Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), info))
 }
 
 /// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation, and correlation given the

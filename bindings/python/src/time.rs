@@ -16,7 +16,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 
 /// Frames and widths as the Python package passes them.
 #[derive(FromPyObject)]
-struct TimeOptions {
+pub(crate) struct TimeOptions {
     /// Time from frame to frame, or the times of all frames.
     step: Option<f64>,
     times: Option<Vec<f64>>,
@@ -25,7 +25,7 @@ struct TimeOptions {
 }
 
 impl TimeOptions {
-    fn axis(&self, n_frames: usize) -> PyResult<TimeAxis> {
+    pub(crate) fn axis(&self, n_frames: usize) -> PyResult<TimeAxis> {
         let ends = parse_name("ends", &self.ends)?;
         let axis = match (&self.times, self.step) {
             (Some(times), _) => TimeAxis::from_times(times),

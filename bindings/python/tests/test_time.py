@@ -110,3 +110,67 @@ def test_uneven_times_and_unknown_values() -> None:
 def test_what_does_not_fit_is_said(make: object, says: str) -> None:
     with pytest.raises((TypeError, ValueError), match=says):
         make()  # type: ignore[operator]
+
+
+def test_noise_of_a_series_is_removed_in_space_and_time() -> None:
+    grid = aw.grid(np.zeros((20, 22)))
+    x, t = np.meshgrid(np.arange(440), np.arange(60), indexing="ij")
+    truth = np.cos(0.2 * (x % 22) + 0.1 * t) * np.sin(0.2 * (x // 22))
+    noisy = (truth + 0.3 * rng.normal(size=truth.shape)).reshape(20, 22, 60)
+    clean, info = grid.denoise(noisy, time=aw.Time(dt=1.0))
+    assert abs(info["noise"] / 0.3 - 1) < 0.1
+    error = np.sqrt(((np.asarray(clean).reshape(440, 60) - truth) ** 2).mean())
+    assert error < 0.07
+    turned = aw.denoise(grid, np.moveaxis(noisy, -1, 0), time=aw.Time(dt=1.0)).result
+    assert np.allclose(np.moveaxis(turned, 0, -1), clean, atol=1e-12)
+    shape = aw.sample("sphere", vertices=300)
+    field = rng.normal(size=(shape.n_vertices, 3, 20))
+    field[4, 1, 3] = np.nan
+    found = shape.denoise(field, time=aw.Time(dt=1.0)).result
+    assert found.shape == field.shape
+    assert np.array_equal(found[4], field[4], equal_nan=True)
+    assert np.abs(found[5:]).mean() < 0.3 * np.abs(field[5:]).mean()
+
+
+def test_sequences_lose_jitter_and_keep_shape() -> None:
+    ball = aw.sample("creature", vertices=800)
+    angles = 0.05 * np.arange(40)
+    turns = np.array([[[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]] for a in angles])
+    truth = ball.points @ turns.transpose(0, 2, 1)
+    size = 0.005 * np.ptp(ball.points)
+    noisy = aw.sequence(truth + size * rng.normal(size=truth.shape), dt=0.04, faces=ball.faces)
+    clean, info = noisy.denoise()
+    assert abs(info["noise"] / size - 1) < 0.1
+
+    def error(found: np.ndarray) -> float:
+        return float(np.sqrt(((found - truth) ** 2).mean()))
+
+    single = min(error(noisy.smooth(time=width).points) for width in (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2))
+    assert error(clean.points) < single
+    still = aw.sequence(truth, faces=ball.faces).without_motion()
+    assert np.abs(still.points - still.points[0]).max() < 1e-9 * np.ptp(truth)
+    assert still.motion(levels=3).shape == (4, ball.n_vertices)
+    assert still.motion(levels=3).max() < 1e-9 * np.ptp(truth)
+    damped = noisy.filter([0.0, 1.0], time=[0.1, 0.4])
+    assert np.allclose(damped.points.mean(axis=0), noisy.points.mean(axis=0))
+    assert np.allclose(noisy.filter([1, 1, 1]).points, noisy.points, atol=1e-12)
+    assert len(pickle.loads(pickle.dumps(noisy))) == 40
+
+
+def test_sequences_come_from_files_and_go_there(tmp_path: object) -> None:
+    ball = aw.sample("sphere", vertices=200)
+    frames = [ball.with_points(ball.points * (1 + 0.1 * k)) for k in range(3)]
+    made = aw.sequence(frames, dt=0.5)
+    paths = made.write(tmp_path / "frames")  # type: ignore[operator]
+    again = aw.sequence(str(tmp_path / "frames"), dt=0.5)  # type: ignore[operator]
+    assert len(paths) == len(again) == 3
+    assert np.allclose(again.points, made.points, atol=1e-6)
+    assert np.array_equal(again[1].faces, ball.faces)
+    for wrong, says in (
+        ([ball], "two frames"),
+        ([ball, aw.sample("sphere", vertices=500)], "same vertices"),
+        (np.zeros((2, 5)), "frames, n, 3"),
+        (str(tmp_path / "none"), "0 files"),  # type: ignore[operator]
+    ):
+        with pytest.raises(ValueError, match=says):
+            aw.sequence(wrong)

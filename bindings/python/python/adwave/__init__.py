@@ -31,6 +31,7 @@ render(shape, f), report(shape, "a.html")   draw it; write a page about it
 info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
 Time(dt=2, fwhm=4)                          bands along time: smooth(shape, f, fwhm=8, time=aw.Time(2, fwhm=4))
+sequence("walk/*.obj", dt=0.04)             frames of a shape that moves: smooth, filter, denoise, write
 rasterize(points, cell=1)                   heights of a scan as a grid, and values back at points
 impute(counts, walk), scattering(walk, f)   averages over similar cells; features of fields on a graph
 studio(shape)                               an equalizer in the browser
@@ -79,6 +80,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_grid": ("Grid", "grid"),
     "_raster": ("Raster", "rasterize"),
     "_time": ("Time",),
+    "_sequence": ("CleanSequence", "Sequence", "sequence"),
     "_impute": ("Imputation", "impute"),
     "_info": ("Info", "info", "memory_needed", "preset_gains", "region", "report", "signal"),
     "_picture": ("Camera", "ColorScale", "Picture", "render"),

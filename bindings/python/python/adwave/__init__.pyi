@@ -62,6 +62,9 @@ from adwave._grid import grid as grid
 from adwave._raster import Raster as Raster
 from adwave._raster import rasterize as rasterize
 from adwave._time import Time as Time
+from adwave._sequence import CleanSequence as CleanSequence
+from adwave._sequence import Sequence as Sequence
+from adwave._sequence import sequence as sequence
 from adwave._impute import Imputation as Imputation
 from adwave._impute import impute as impute
 from adwave._info import Info as Info
@@ -85,6 +88,7 @@ __all__ = [
     "Bands",
     "Camera",
     "ChangedShape",
+    "CleanSequence",
     "CloneResult",
     "Coefficients",
     "ColorScale",
@@ -111,6 +115,7 @@ __all__ = [
     "Saliency",
     "SaliencyOptions",
     "ScatteringResult",
+    "Sequence",
     "Shape",
     "SimplifyResult",
     "Steps",
@@ -152,6 +157,7 @@ __all__ = [
     "saliency",
     "sample",
     "scattering",
+    "sequence",
     "show_versions",
     "signal",
     "simplify",

@@ -42,7 +42,7 @@ from adwave._other_names import PRESETS
 from adwave._part import NoiseModel, Part, default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
-from adwave._time import Time, frames_axis, split_in_time
+from adwave._time import Time, channels_of, frames_axis, frames_of, split_in_time
 from adwave._walk import Walk
 
 if TYPE_CHECKING:
@@ -312,9 +312,7 @@ def smooth(
 
 def _refuse_time(time: Time | None) -> None:
     if time is not None:
-        raise ValueError(
-            "time: it applies to numbers with frames, (n, times); pass them as the signal: aw.smooth(shape, f, …)"
-        )
+        raise ValueError("time: it applies to numbers with frames, (n, times); pass them as the signal, (shape, f, …)")
 
 
 def _layout_of(decomposer: Decomposer, signal: SignalLike) -> Layout:
@@ -790,6 +788,7 @@ def denoise(
     local_fit: LocalFit = "linear",
     outliers: Literal["keep", "pull"] = "keep",
     operator: OperatorLike = None,
+    time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
 ) -> DenoiseResult[Any]:
@@ -823,6 +822,9 @@ def denoise(
         Whether outliers of a cloud stay where they are or are moved to their neighbors; ``info["outliers"]`` names them.
     operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
+    time : Time, optional
+        Remove noise in space and time together, ``time=aw.Time(dt=2)``, from a signal with frames along its last axis (of
+        (times, n) along its first): what is steady keeps its detail, and what changes is averaged over what changes alike.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
     **options
@@ -851,6 +853,7 @@ def denoise(
     if own is not None:
         given: dict[str, Any] = {} if operator is None else {"operator": operator}
         given.update({} if creases == "auto" else {"creases": creases})
+        given.update({} if time is None else {"time": time})
         return own(signal, strength=strength, noise=noise, local_fit=local_fit, progress=progress, **given, **options)
     part = read_part("denoise", shape, options, _DENOISE, signal)
     noise_model, deviation = _noise_model(noise)
@@ -860,6 +863,8 @@ def denoise(
     model = "gaussian" if noise_model == "shared" else noise_model
     settings = DenoiseOptions(strength, creases, deviation, model, local_fit, outliers, shared)
     signal = default_signal(part, signal)
+    if signal is None or isinstance(signal, str):
+        _refuse_time(time)
     if signal is None:
         if noise_model not in ("gaussian", "shared"):
             raise ValueError(
@@ -877,6 +882,10 @@ def denoise(
     taken = part.take_signal(signal)
     values, layout = decomposer._signal_values(taken)
     _refuse_labels(signal, decomposer)
+    if time is not None and values is not None:
+        clean, series_info = _denoise_frames(decomposer, values, layout, time, settings, progress)
+        result = part.spread(layout.arrange(clean), layout, signal)
+        return DenoiseResult(result.astype(float_type(signal), copy=False), series_info)
     found: list[dict[str, Any]] = []
     with report_progress(progress, "denoising") as report:
 
@@ -894,6 +903,36 @@ def denoise(
         return DenoiseResult(_with_named_signal(part, decomposer.shape, signal, denoised), info)
     found_values = part.spread(layout.arrange(denoised), layout, signal)
     return DenoiseResult(found_values.astype(float_type(signal), copy=False), info)
+
+
+def _denoise_frames(
+    decomposer: Decomposer,
+    values: NDArray[np.float64],
+    layout: Layout,
+    time: Time,
+    settings: DenoiseOptions,
+    progress: ProgressLike,
+) -> tuple[NDArray[np.float64], dict[str, Any]]:
+    """A series of n × channels numbers without noise; vertices that are NaN in some frames keep their values."""
+    frames = frames_of(values, layout)
+    n_components = frames.shape[2]
+    series = frames.reshape(len(frames), -1)
+    unknown = np.atleast_1d(np.isnan(series).any(axis=1))
+    if unknown.any():
+        series = series.copy()
+        series[unknown] = np.nan
+    info: dict[str, Any] = {}
+    with report_progress(progress, "denoising") as report:
+
+        def work(owner: Decomposer, part: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            assert part is not None
+            result, found = _native.denoise_frames(owner._data, part, n_components, time._options, settings, report)
+            info.update(found)
+            return result
+
+        found = decomposer._map_channels(series, work)
+    clean = channels_of(found.reshape(frames.shape), layout)
+    return np.where(unknown[:, None], values, clean), info
 
 
 def _noise_model(noise: float | str | tuple[str, float] | None) -> tuple[str, float | None]:

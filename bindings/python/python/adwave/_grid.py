@@ -424,6 +424,7 @@ class Grid(Members, Generic[_Own]):
         | tuple[Literal["gaussian", "poisson", "multiplicative", "rician"], float]
         | None = None,
         local_fit: LocalFit = "linear",
+        time: Time | None = None,
         progress: ProgressLike = None,
     ) -> DenoiseResult[Any]:
         """Remove noise whose amount is estimated, and keep steps; see `adwave.denoise`.
@@ -439,6 +440,8 @@ class Grid(Members, Generic[_Own]):
             ``'rician'`` for magnitudes of magnetic resonance, whose bias is removed too.
         local_fit : {'linear', 'constant'}
             With ``'linear'`` slopes are not taken for noise.
+        time : Time, optional
+            Remove noise in space and time together, ``time=aw.Time(dt=2)``.
         progress : bool or callable, optional
             As in `decompose`.
 
@@ -461,6 +464,7 @@ class Grid(Members, Generic[_Own]):
             strength=strength,
             noise=noise,
             local_fit=local_fit,
+            time=time,
             progress=progress,
         )
         return DenoiseResult(self._result(found.result, signal), found.info)

@@ -37,6 +37,7 @@ __all__ = [
     "check_region",
     "clone_detail",
     "color_map_names",
+    "denoise_frames",
     "denoise_points",
     "denoise_values",
     "differential_coordinates",
@@ -71,6 +72,9 @@ __all__ = [
     "studio",
     "taubin",
     "threads",
+    "time_bands",
+    "time_delay",
+    "time_filter",
     "transfer",
     "with_base",
 ]
@@ -255,6 +259,9 @@ def find_features(
 ) -> dict[str, NDArray[Any]]: ...
 def denoise_points(
     shape: ShapeData, options: object, weld: bool | float, progress: _Report = None
+) -> tuple[_Floats, dict[str, Any]]: ...
+def denoise_frames(
+    prepared: Prepared, series: _Floats, n_components: int, time: object, options: object, progress: _Report = None
 ) -> tuple[_Floats, dict[str, Any]]: ...
 def denoise_values(
     prepared: Prepared, signal: _Floats | None, options: object, progress: _Report = None

@@ -132,6 +132,7 @@ class DenoiseCall(PartOptions, total=False):
     local_fit: Literal["linear", "constant"]
     outliers: Literal["keep", "pull"]
     operator: OperatorLike
+    time: Union[Time, None]
     progress: ProgressLike
 
 

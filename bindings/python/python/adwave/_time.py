@@ -15,9 +15,6 @@ from adwave._layout import Layout
 from adwave._methods import Members
 from adwave._progress import ProgressLike, report_progress
 
-#: Full width at half maximum of a width σ: 2·√(ln 2).
-_FWHM = 1.6651092223153955
-
 _ENDS = ("reflect", "periodic", "causal")
 
 Ends = Literal["reflect", "periodic", "causal"]
@@ -45,7 +42,7 @@ class Time(Members):
     dt : float, optional
         Time from frame to frame, in the unit of the widths.
     fwhm : float or sequence of float, optional
-        Full widths at half maximum of the bands, increasing.
+        Full widths at half maximum of the bands, increasing; `denoise` chooses its own and needs none.
     widths : float or sequence of float, optional
         Widths σ instead, as for shapes: standard deviations times √2, ``fwhm / 1.665``.
     ends : {'reflect', 'periodic', 'causal'}
@@ -59,7 +56,7 @@ class Time(Members):
     Raises
     ------
     TypeError
-        If not one of `dt` and `times`, or not one of `fwhm` and `widths`, is given.
+        If not one of `dt` and `times` is given, or both of `fwhm` and `widths` are.
     ValueError
         If the widths do not increase from above 0, or `ends` is another.
 
@@ -110,18 +107,19 @@ class Time(Members):
             raise ValueError(f"ends must be 'reflect', 'periodic' or 'causal', got {ends!r}")
         self.dt = None if dt is None else float(dt)
         self.times = None if times is None else np.asarray(times, dtype=np.float64).ravel()
-        given = np.atleast_1d(np.asarray(widths if fwhm is None else fwhm, dtype=np.float64)).ravel()
-        self.widths = given if fwhm is None else given / _FWHM
+        of = () if fwhm is None and widths is None else widths if fwhm is None else fwhm
+        given = np.atleast_1d(np.asarray(of, dtype=np.float64)).ravel()
+        self.widths = given if fwhm is None else given / _native.FWHM
         self.ends = "causal" if causal else ends
         # With a number of frames that any axis may have, so that wrong steps and widths are found here.
-        _native.time_filter(
-            np.zeros((1, 2 if self.times is None else len(self.times))), self._options, [1.0] * len(given)
-        )
+        probe = _TimeOptions(self.dt, self._options.times, self.ends, self.widths.tolist() or [1.0])
+        n_frames = 2 if self.times is None else len(self.times)
+        _native.time_filter(np.zeros((1, n_frames)), probe, [1.0] * len(probe.widths))
 
     @property
     def fwhm(self) -> NDArray[np.float64]:
         """Full widths at half maximum of the bands."""
-        return self.widths * _FWHM
+        return self.widths * _native.FWHM
 
     @property
     def delay(self) -> float:
@@ -201,6 +199,8 @@ class Time(Members):
         work: Callable[[NDArray[np.float64], Callable[..., Any] | None], NDArray[np.float64]],
     ) -> NDArray[Any]:
         """Results of a function of places × frames, in the axes of the values."""
+        if not len(self.widths):
+            raise TypeError(f"Time has no widths; give them: aw.Time(dt={self.dt or 2.0:g}, fwhm=4.0)")
         array = np.asarray(values)
         if array.ndim == 0:
             raise ValueError("values: a single number has no frames; give an array with the frames along its last axis")
@@ -216,15 +216,15 @@ class Time(Members):
 
     def __repr__(self) -> str:
         frames = f"{len(self.times)} times" if self.times is not None else f"a frame every {self.dt:g}"
-        widths = ", ".join(f"{width:g}" for width in self.fwhm)
-        return f"<adwave.Time: {frames}, FWHM {widths}, {self.ends}>"
+        widths = "".join(f", FWHM {', '.join(f'{width:g}' for width in self.fwhm)}" for _ in [0] if len(self.widths))
+        return f"<adwave.Time: {frames}{widths}, {self.ends}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore_time, (self.dt, self.widths, self.ends, self.times)
 
 
 def _restore_time(dt: float | None, widths: NDArray[np.float64], ends: Ends, times: NDArray[np.float64] | None) -> Time:
-    return Time(dt, widths=widths.tolist(), ends=ends, times=times)
+    return Time(dt, widths=widths.tolist() if len(widths) else None, ends=ends, times=times)
 
 
 def frames_axis(layout: Layout) -> int:
@@ -246,3 +246,19 @@ def split_in_time(time: Time, bands: NDArray[Any], layout: Layout, progress: Pro
     """Bands (levels of space + 1) × (levels of time + 1) × the shape of the signal."""
     axis = frames_axis(layout)
     return np.moveaxis(time.decompose(bands, axis=axis if axis < 0 else axis + 1, progress=progress), 0, 1)
+
+
+def frames_of(values: NDArray[np.float64], layout: Layout) -> NDArray[np.float64]:
+    """Values of n × channels numbers as n × frames × components."""
+    frames_axis(layout)
+    channels = values.reshape(len(values), *layout.channels)
+    moved = channels if layout.is_last else np.moveaxis(channels, -1, 1)
+    return np.ascontiguousarray(moved.reshape(len(values), moved.shape[1], -1))
+
+
+def channels_of(frames: NDArray[np.float64], layout: Layout) -> NDArray[np.float64]:
+    """The reverse of `frames_of`."""
+    if layout.is_last:
+        return frames.reshape(len(frames), -1)
+    times, others = layout.channels[-1], layout.channels[:-1]
+    return np.moveaxis(frames.reshape(len(frames), times, *others), 1, -1).reshape(len(frames), -1)
