@@ -3,7 +3,6 @@
 mod clouds;
 mod denoise;
 mod grids;
-mod lints;
 mod matching;
 mod meshings;
 mod notices;
@@ -79,16 +78,23 @@ const FUZZED_SECONDS: &str = "60";
 
 /// Arguments that build the libraries and the programs that the tests of the page and of the package run. The tests of
 /// the workspace are built too, so that the libraries have the same features as those of `cargo test`.
-const BUILD_WITH_TESTS: [&str; 8] =
-    ["build", "--workspace", "--locked", "--quiet", "--lib", "--tests", "--bins", "--benches"];
+const BUILD_WITH_TESTS: [&str; 10] = [
+    "build",
+    "--workspace",
+    "--locked",
+    "--quiet",
+    "--lib",
+    "--tests",
+    "--bin",
+    "adwave",
+    "--bin",
+    "adwave-fuzz",
+];
 
 /// Result of a step; the error is one line of text.
 type StepResult = Result<(), String>;
 
 fn main() -> ExitCode {
-    if let Some(outcome) = lints::stand_in_for_rustdoc() {
-        return exit_code(outcome);
-    }
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let outcome = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
@@ -120,10 +126,6 @@ fn main() -> ExitCode {
         }
         _ => Err(USAGE.to_owned()),
     };
-    exit_code(outcome)
-}
-
-fn exit_code(outcome: StepResult) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(what) => {
@@ -193,23 +195,11 @@ fn test() -> StepResult {
         studio::install_requirements()
     });
     cargo(&["fmt", "--all", "--check"], &[])?;
-    if is_bare() {
-        lints::Compilers::use_from_now_on();
-    }
-    if lints::Compilers::in_use().is_none() {
-        cargo(
-            &["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"],
-            &[],
-        )?;
-        cargo(
-            &["doc", "--workspace", "--no-deps", "--locked", "--quiet"],
-            &[("RUSTDOCFLAGS", "-D warnings")],
-        )?;
-    }
+    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
-    // One core each: broken input beside the tests of the package, most of which are serial.
+    // One core each: broken input and then the documentation beside the tests of the package, most of which are serial.
     let fuzzing = Command::new(target().join("debug/adwave-fuzz"))
         .current_dir(root())
         .args(["--seconds", FUZZED_SECONDS])
@@ -217,14 +207,18 @@ fn test() -> StepResult {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .map_err(|e| format!("cannot run adwave-fuzz: {e}"))?;
-    let tested = package::test_package(&[]);
-    let fuzzed = fuzzing.wait_with_output().map_err(|e| format!("cannot wait for adwave-fuzz: {e}"))?;
-    println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
-    print!("{}{}", String::from_utf8_lossy(&fuzzed.stdout), String::from_utf8_lossy(&fuzzed.stderr));
-    tested?;
-    if !fuzzed.status.success() {
-        return Err(format!("adwave-fuzz failed: {}", fuzzed.status));
-    }
+    let documented = std::thread::spawn(move || -> StepResult {
+        let fuzzed = fuzzing.wait_with_output().map_err(|e| format!("cannot wait for adwave-fuzz: {e}"))?;
+        println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
+        print!("{}{}", String::from_utf8_lossy(&fuzzed.stdout), String::from_utf8_lossy(&fuzzed.stderr));
+        if !fuzzed.status.success() {
+            return Err(format!("adwave-fuzz failed: {}", fuzzed.status));
+        }
+        let words = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
+        cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])
+    });
+    package::test_package(&[])?;
+    documented.join().map_err(|_| "the thread of broken input panicked")??;
     studio::test()?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
     dependencies()
@@ -327,9 +321,6 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
             ("CARGO_PROFILE_DEV_DEBUG", "0"),
             ("CARGO_PROFILE_DEV_CODEGEN_UNITS", parts.as_str()),
         ]);
-    }
-    if let Some(compilers) = lints::Compilers::in_use() {
-        command.envs(compilers.variables());
     }
     run(command.current_dir(root()).args(arguments).envs(variables.iter().copied()))
 }

@@ -53,7 +53,7 @@ fn best_single_scale(decomposer: &Decomposer, noisy: &[f64], truth: &[f64]) -> f
 
 #[test]
 fn signals_with_steps_gain_over_the_best_smoothing_and_smooth_ones_lose_hardly_anything() {
-    let (decomposer, points) = decomposer(20_000);
+    let (decomposer, points) = decomposer(10_000);
     let size = decomposer.diagonal();
     let step = |p: &[f64; 3]| f64::from((6.0 * p[1] / size).rem_euclid(1.0) < 0.5) * 2.0 - 1.0;
     let smooth = |p: &[f64; 3]| (8.0 * p[0] / size).sin() + (9.0 * p[1] / size).cos();
@@ -68,9 +68,9 @@ fn signals_with_steps_gain_over_the_best_smoothing_and_smooth_ones_lose_hardly_a
                 let error = square(&denoised(&decomposer, &noisy), &truth);
                 10.0 * (best_single_scale(&decomposer, &noisy, &truth) / error).log10()
             };
-            let gains = [5, 17, 29, 41].map(gain);
+            let gains = [5, 17].map(gain);
             println!("{name}, {snr}: {gains:?} dB");
-            let mean = gains.iter().sum::<f64>() / 4.0;
+            let mean = gains.iter().sum::<f64>() / 2.0;
             assert!(mean >= least_gain, "{name}, signal to noise {snr}: {gains:?} dB");
         }
     }
