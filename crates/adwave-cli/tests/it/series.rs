@@ -127,7 +127,7 @@ fn what_does_not_say_its_time_is_asked_for_it() {
         ("filter v.nii -o s.nii --time-fwhm 3 --time-step 0", "above 0"),
         ("filter v.nii -o s.nii --time-fwhm 3 --time-step 1 --fwhm 5", "--preset"),
         ("denoise v.nii -o s.nii --time-step 1", "--in-time"),
-        ("denoise v.nii -o s.nii --in-time --time-step 1 --noise-model poisson", "poisson"),
+        ("denoise v.nii -o s.nii --in-time --time-step 1 --noise-model poisson", "--noise-model"),
         ("filter v.nii -o s.nii", "--time-fwhm"),
     ] {
         let text = refused(folder.path(), line);

@@ -198,6 +198,7 @@ fn write_named_files(folder: &Path) {
         "sample hills --vertices 4096 -o dem.tif",
         "sample hills --vertices 4096 --noise 0.05 -o noisy.tif",
         "sample head --vertices 8000 -o head.nii.gz",
+        "sample bold --vertices 1500 -o bold.nii.gz",
         "sample head --vertices 8000 -o volume.nii.gz",
     ] {
         assert!(run_line(folder, line).is_done(), "{line}");

@@ -47,7 +47,10 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     set_value_type(&mut input, &args.output, args.value_type, global)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
-    if !args.in_time {
+    if args.in_time {
+        let applies = "applies to frames one by one; noise in space and time together is gaussian";
+        global.given.refuse(&["--noise-model"], applies)?;
+    } else {
         global.given.refuse(&["--time-step", "--time-ends"], "applies to a series of frames (--in-time)")?;
     }
     if name == COORDS {

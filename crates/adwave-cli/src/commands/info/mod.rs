@@ -217,7 +217,7 @@ impl ShapeFacts {
             "shape": input.name,
             "kind": input.kind_name(),
             "format": self.format_name(),
-            "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels, "frame_step": f.frame_step})).collect::<Vec<_>>(),
+            "fields": fields.iter().map(field_json).collect::<Vec<_>>(),
             "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "unit": input.file.length_unit().map(LengthUnit::name),
             "unit_in_meters": input.file.length_unit().and_then(LengthUnit::meters),
@@ -420,4 +420,13 @@ fn surface_text(info: &SurfaceInfo, shape: &Shape) -> String {
     }
     changes.push(format!("{} % of mass added", number(100.0 * info.added_mass)));
     changes.join(", ")
+}
+
+/// Name and channels of a field, and seconds from one to the next if they are frames.
+fn field_json(field: &Field) -> Value {
+    let mut json = json!({"name": field.name, "channels": field.n_channels});
+    if let Some(step) = field.frame_step {
+        json["frame_step"] = json!(step);
+    }
+    json
 }
