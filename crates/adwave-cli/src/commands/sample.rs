@@ -20,7 +20,7 @@ Examples:
   adwave sample creature -o creature.ply
   adwave sample knot --vertices 200000 --noise 0.3 --seed 7 -o noisy.obj
   adwave sample sphere --as cloud -o points.ply
-  adwave sample hills -o hills.tif              an image; 'head' is a volume (.nii.gz), 'bold' a series
+  adwave sample hills -o hills.tif              an image; 'head' is a volume, 'bold' a series
   adwave sample terrain --points 1e8 -o scan     a folder of LAZ files")]
 pub(crate) struct SampleArgs {
     /// Name of the shape; without it the shapes are listed

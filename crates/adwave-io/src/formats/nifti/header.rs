@@ -309,8 +309,17 @@ impl HeaderEditor<'_> {
         self.put_float(self.version.places().pixdim, k + 1, spacing);
     }
 
+    /// Sets the seconds from frame to frame, or that the channels are no frames, beside the unit of length among `units`.
+    pub(super) fn set_frame_step(&mut self, step: Option<f64>, units: u8) {
+        let length = units & 7;
+        self.set_units(if step.is_some() { length | 8 } else { length });
+        if let Some(step) = step {
+            self.set_spacing(3, step);
+        }
+    }
+
     /// Sets the sum of the codes of the units of length and of time.
-    pub(super) fn set_units(&mut self, code: u8) {
+    fn set_units(&mut self, code: u8) {
         let units = self.version.places().units;
         match self.version {
             Version::One => self.bytes[units] = code,

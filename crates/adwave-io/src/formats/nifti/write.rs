@@ -51,6 +51,7 @@ impl SourceDocument for NiftiDocument {
         editor.set_value_type(kind);
         if sizes != header.sizes {
             editor.set_sizes(&sizes);
+            editor.set_frame_step(field.frame_step, header.units as u8);
         }
         c.out.write_all(&head)?;
         let planes = planes(kind, header.order, shape.n_vertices, field.n_channels);
@@ -100,15 +101,14 @@ pub(super) fn write_nifti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result
     for (row, out) in rows.iter_mut().enumerate() {
         out[3] = origin[row];
     }
-    editor.set_spacing(3, field.frame_step.unwrap_or(1.0));
+    editor.set_spacing(3, 1.0);
     editor.set_affine(&rows);
     let codes = [(LengthUnit::METER, 1), (LengthUnit::MILLIMETER, 2), (LengthUnit::MICRON, 3)];
     let code = codes.iter().find(|(known, _)| Some(known) == unit.as_ref()).map(|(_, code)| *code);
     if let (None, Some(unit)) = (code, unit) {
         c.report.report_dropped(format!("the unit of length, {}", unit.plural()));
     }
-    let seconds = if field.frame_step.is_some() { 8 } else { 0 };
-    editor.set_units(code.unwrap_or(0) | seconds);
+    editor.set_frame_step(field.frame_step, code.unwrap_or(0));
     c.out.write_all(&head)?;
     let planes = planes(kind, ByteOrder::Little, shape.n_vertices, field.n_channels);
     planes.write(None, field, c.format, c.out, c.progress)
