@@ -95,7 +95,7 @@ fn numbers_that_nobody_means_are_refused_or_in_effect() {
                 // So many points of a terrain may be wanted, and take their time.
                 let is_long = option == "--points" && LARGE.contains(&number);
                 let is_server = base_lines(&command_name).is_empty() || is_long;
-                if !is_server && is_in_sample(&format!("{command_name} {option} {number}"), 30) {
+                if !is_server && is_in_sample(&format!("{command_name} {option} {number}"), 60) {
                     check_number(folder, &command_name, &option, &value, &mut faults);
                 }
             }

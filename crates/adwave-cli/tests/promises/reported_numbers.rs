@@ -207,7 +207,7 @@ fn numbers_of_reports_are_those_of_the_files() {
     for command in commands() {
         for line in base_lines(command.get_name()) {
             for (kind, file) in INPUTS {
-                if !is_in_sample(&format!("{line} {kind}"), 3) {
+                if !is_in_sample(&format!("{line} {kind}"), 6) {
                     continue;
                 }
                 let mut words = base_line(line, kind);
