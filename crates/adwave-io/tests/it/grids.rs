@@ -35,7 +35,10 @@ fn refusal(shape: &ShapeFile, format: Format) -> String {
 fn with_values(shape: &ShapeFile, values: FieldValues) -> ShapeFile {
     let mut shape = shape.clone();
     let n_channels = values.len() / shape.n_vertices();
-    shape.add_vertex_field(Field::new("values", n_channels, values)).unwrap();
+    // A header that says that two channels are frames still does.
+    let frame_step =
+        shape.field("values").filter(|own| own.n_channels == n_channels).and_then(|own| own.frame_step);
+    shape.add_vertex_field(Field { frame_step, ..Field::new("values", n_channels, values) }).unwrap();
     shape
 }
 
