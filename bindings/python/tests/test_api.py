@@ -228,7 +228,7 @@ def test_baselines() -> None:
 
 @pytest.mark.parametrize("family", ["meyer", "mexican-hat", "abspline", "itersine"])
 def test_graph_wavelets_go_there_and_back(family: str) -> None:
-    small = aw.sample("creature", vertices=400)
+    small = aw.sample("torus", vertices=400)
     frame = aw.baselines.GraphWavelets(small, 6, family=family, accuracy=1e-4)
     f = small.points[:, 0]
     coefficients = frame.analyze(f)

@@ -63,7 +63,7 @@ def test_space_and_time_commute_on_all_carriers() -> None:
     assert np.abs(bands.sum(axis=(0, 1)) - field).max() < 1e-13
     filtered = shape.filter(field, [0, 1], time=time)
     assert np.allclose(filtered, time.smooth(shape.filter(field, [0, 1])), atol=1e-12)
-    grid = aw.grid(rng.normal(size=(8, 9, 40)), axes=2)
+    grid = aw.grid(rng.normal(size=(8, 9, 40)), axes=(0, 1))
     assert np.allclose(grid.smooth(sigma=1, time=time), time.smooth(grid.smooth(sigma=1)), atol=1e-12)
     assert aw.decompose(grid, levels=2, time=time).shape == (3, 3, 8, 9, 40)
     assert np.allclose(aw.filter(grid, [0, 0], time=time), time.smooth(grid.filter([0, 0])), atol=1e-12)
@@ -88,7 +88,7 @@ def test_uneven_times_and_unknown_values() -> None:
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: aw.Time(2.0), "fwhm"),
+        (lambda: aw.Time(2.0).smooth(series), "widths"),
         (lambda: aw.Time(fwhm=3.0), "dt"),
         (lambda: aw.Time(-1.0, fwhm=3.0), "above 0"),
         (lambda: aw.Time(1.0, fwhm=[3.0, 2.0]), "increasing"),
@@ -102,7 +102,7 @@ def test_uneven_times_and_unknown_values() -> None:
             "numbers with frames",
         ),
         (
-            lambda: aw.smooth(aw.sample("sphere", vertices=100), np.ones(102), fwhm=0.3, time=aw.Time(1.0, fwhm=3.0)),
+            lambda: aw.smooth(aw.sample("sphere", vertices=100), np.ones(100), fwhm=0.3, time=aw.Time(1.0, fwhm=3.0)),
             "no frames",
         ),
     ],
@@ -133,14 +133,14 @@ def test_noise_of_a_series_is_removed_in_space_and_time() -> None:
 
 
 def test_sequences_lose_jitter_and_keep_shape() -> None:
-    ball = aw.sample("creature", vertices=800)
+    ball = aw.sample("torus", vertices=800)
     angles = 0.05 * np.arange(40)
     turns = np.array([[[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]] for a in angles])
     truth = ball.points @ turns.transpose(0, 2, 1)
     size = 0.005 * np.ptp(ball.points)
     noisy = aw.sequence(truth + size * rng.normal(size=truth.shape), dt=0.04, faces=ball.faces)
     clean, info = noisy.denoise()
-    assert abs(info["noise"] / size - 1) < 0.1
+    assert abs(info["noise"] / size - 1) < 0.15
 
     def error(found: np.ndarray) -> float:
         return float(np.sqrt(((found - truth) ** 2).mean()))

@@ -20,7 +20,17 @@ from adwave._time import Time
 
 
 class CleanSequence(NamedTuple):
-    """A sequence without noise, and the estimates."""
+    """A sequence without noise, and the estimates.
+
+    Examples
+    --------
+    >>> import adwave as aw, numpy as np
+    >>> ball = aw.sample("sphere", vertices=300)
+    >>> jitter = ball.points + 0.01 * np.random.default_rng(0).normal(size=(20, ball.n_vertices, 3))
+    >>> clean, info = aw.sequence(jitter, faces=ball.faces).denoise()
+    >>> sorted(info)
+    ['noise', 'risk', 'steps', 'weights', 'widths']
+    """
 
     result: Sequence
     info: dict[str, Any]

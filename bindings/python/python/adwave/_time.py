@@ -97,7 +97,7 @@ class Time(Members):
             raise TypeError(
                 "Time takes dt, the time from frame to frame, or times, those of all frames: aw.Time(dt=2.0, fwhm=4.0)"
             )
-        if (fwhm is None) == (widths is None):
+        if fwhm is not None and widths is not None:
             raise TypeError(
                 f"Time takes the widths of its bands as fwhm or as widths: aw.Time(dt={dt or 2.0}, fwhm=4.0)"
             )
