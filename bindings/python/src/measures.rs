@@ -378,6 +378,7 @@ fn denoise_frames<'py>(
     info.set_item("noise", denoised.info.noise)?;
     info.set_item("widths", denoised.info.widths)?;
     info.set_item("steps", denoised.info.steps)?;
+    info.set_item("mean_steps", denoised.info.mean_steps)?;
     info.set_item("weights", denoised.info.weights)?;
     info.set_item("risk", denoised.info.risk)?;
     Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), info))

@@ -15,6 +15,10 @@ use serde::Serialize;
 /// Steps in space of the estimates.
 const STEPS: [f64; 6] = [1.0, 2.0, 5.0, 12.0, 30.0, 75.0];
 
+/// First of [`STEPS`], from 0, that also smooths without regard to slopes: over many steps a local linear fit keeps more
+/// noise than a mean.
+const FIRST_MEAN: usize = 2;
+
 /// Largest width in time relative to the length of the series; what is slower stays together.
 const SLOWEST: f64 = 0.25;
 
@@ -46,7 +50,9 @@ pub struct SeriesNoise {
     pub widths: Vec<f64>,
     /// Numbers of steps in space of the estimates.
     pub steps: Vec<f64>,
-    /// For each band along time: its weight as it is, after each of `steps`, and left out.
+    /// Numbers of steps of further estimates, which are means, if those of `steps` are about a local linear fit.
+    pub mean_steps: Vec<f64>,
+    /// For each band along time: its weight as it is, after each of `steps` and of `mean_steps`, and left out.
     pub weights: Vec<Vec<f64>>,
     /// Expected mean square error of a value, before and after.
     pub risk: [f64; 2],
@@ -65,12 +71,12 @@ pub struct DenoisedSeries {
 /// shape) on anything that has bands. O(entries × values).
 ///
 /// The series is split into bands along time, of 1, 2, 4, … frames up to a quarter of its length, what is slower, and the
-/// mean over all frames. Each
-/// is replaced by a mixture of itself, of its means over 1, 2, 5, 12, 30 and 75 steps in space (about a local linear fit,
-/// unless `params` say otherwise) and of nothing, with weights ≥ 0 of sum 1. All weights together minimize the mean square
-/// error by Stein's estimate for Gaussian noise that is independent between places and frames. So what is steady keeps its
-/// detail in space, and what moves is averaged over what moves alike. The noise is estimated from the differences of frames
-/// from the mean of the frames before and after, unless it is given.
+/// mean over all frames. Each band is replaced by a mixture of itself, of what 1, 2, 5, 12, 30 and 75 steps in space make
+/// of it, and of nothing, with weights ≥ 0 of sum 1. The steps are about a local linear fit, and from 5 steps on also about
+/// a mean; `params` may ask for means alone. All weights together minimize the mean square error by Stein's estimate for
+/// Gaussian noise that is independent between places and frames. So what is steady keeps its detail in space, and what
+/// moves is averaged over what moves alike. The noise is estimated from the differences of frames from the mean of the
+/// frames before and after, unless it is given.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise_series};
@@ -158,6 +164,9 @@ pub fn denoise_series(
             }
         }
     })?;
+    if parts.is_linear {
+        info.mean_steps = STEPS[FIRST_MEAN..].to_vec();
+    }
     info.widths = parts.widths[..parts.widths.len() - 1].to_vec();
     (info.weights, info.risk) = (weights, risk);
     Ok(DenoisedSeries { values, info })
@@ -217,7 +226,7 @@ impl SeriesParts<'_> {
         Ok(noise)
     }
 
-    /// The series after each of [`STEPS`].
+    /// The series after each of [`STEPS`], and by means after the last of them.
     fn levels(&self, series: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let schedule = Schedule::real(STEPS.to_vec()).expect("increasing numbers");
         if !self.is_linear {
@@ -225,11 +234,13 @@ impl SeriesParts<'_> {
             return super::scaling::scaling_functions(walk, series, self.row(), &schedule, progress);
         }
         let row = self.row();
-        let mut levels: Vec<Vec<f64>> = STEPS.iter().map(|_| vec![0.0; series.len()]).collect();
+        let mut levels: Vec<Vec<f64>> = Vec::new();
         for c in 0..row {
             progress.step(c as u64, row as u64)?;
             let field = channel(series, c, row);
-            for (level, found) in levels.iter_mut().zip(self.smoothed(&field, &schedule, progress.quiet())?) {
+            let found = self.smoothed(&field, &schedule, progress.quiet())?;
+            levels.resize_with(found.len(), || vec![0.0; series.len()]);
+            for (level, found) in levels.iter_mut().zip(found) {
                 level.iter_mut().skip(c).step_by(row).zip(found).for_each(|(value, s)| *value = s);
             }
         }
@@ -237,7 +248,7 @@ impl SeriesParts<'_> {
         Ok(levels)
     }
 
-    /// A field of one channel after the steps of a schedule.
+    /// A field of one channel after the steps of a schedule, and by means after the last of them.
     fn smoothed(
         &self,
         field: &[f64],
@@ -246,7 +257,7 @@ impl SeriesParts<'_> {
     ) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let group = self.group(field);
         let fits = group.fits(&self.walk, progress)?;
-        group.scaling(&self.walk, &fits, field, schedule, schedule.n_levels(), progress)
+        group.scaling(&self.walk, &fits, field, schedule, FIRST_MEAN, progress)
     }
 
     /// Shares of the variance of noise that the estimates keep in common with it: of each level in space, 1 for none, and
@@ -257,8 +268,7 @@ impl SeriesParts<'_> {
         let mut normal =
             |n: usize| -> Vec<f64> { (0..n).map(|_| StandardNormal.sample(&mut random)).collect() };
         let schedule = Schedule::real(STEPS.to_vec()).expect("increasing numbers");
-        let mut in_space = vec![0.0; STEPS.len()];
-        let mut square = 0.0;
+        let (mut in_space, mut square) = (Vec::new(), 0.0);
         for _ in 0..n_fields {
             let mut field = normal(n_places);
             for (x, value) in field.iter_mut().enumerate() {
@@ -267,10 +277,10 @@ impl SeriesParts<'_> {
                 }
             }
             square += field.iter().map(|v| v * v).sum::<f64>();
-            for (share, level) in
-                in_space.iter_mut().zip(self.smoothed(&field, &schedule, progress.quiet())?)
-            {
-                *share += field.iter().zip(&level).map(|(a, b)| a * b).sum::<f64>();
+            let levels = self.smoothed(&field, &schedule, progress.quiet())?;
+            in_space.resize(levels.len(), 0.0);
+            for (share, level) in in_space.iter_mut().zip(&levels) {
+                *share += field.iter().zip(level).map(|(a, b)| a * b).sum::<f64>();
             }
         }
         let in_space = std::iter::once(1.0).chain(in_space.iter().map(|share| share / square)).collect();

@@ -75,9 +75,7 @@ fn a_series_loses_more_noise_than_by_any_widths_in_space_and_time() {
                     best = best.min(rms(&smooth, &truth));
                 }
             }
-            // Linear fits over as many steps as the best mean keep more noise, most of all where few places are left.
-            let most = if name == "fast and smooth" { 2.4 } else { 1.4 };
-            assert!(error <= most * best + 0.02 * sigma, "{name} {sigma}: {error} against {best}");
+            assert!(error <= 1.15 * best + 0.02 * sigma, "{name} {sigma}: {error} against {best}");
             // A few percent of the noise found are as many of the square that is promised.
             let (promised, square) = (info.risk[1], error * error);
             assert!(
