@@ -252,8 +252,11 @@ pub(super) fn denoise_points(
         .map(|sum| sum / points.len().max(1) as f64)
     };
     let mut levels = noise.by_point.clone();
+    // Points that lie on each other have no noise but rounding.
+    let rounding = f64::EPSILON * points.as_flattened().iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    let mut noise_at = |share| CAUTION * quantile(&mut levels, share);
     let info = CloudDenoising {
-        noise_range: [0.05, 0.95].map(|share| CAUTION * quantile(&mut levels, share)),
+        noise_range: [0.05, 0.95].map(|share| Some(noise_at(share)).filter(|n| *n > rounding).unwrap_or(0.0)),
         noise_interval: noise.interval,
         n_outliers: in_state(PointState::Outlier),
         n_left: in_state(PointState::Left),
