@@ -1,6 +1,6 @@
 //! Bands along time.
 
-use super::parse::{number, parse_named};
+use super::parse::parse_named;
 use adwave::bands::FWHM;
 use adwave::time::TimeEnds;
 use clap::Args;
@@ -37,21 +37,6 @@ pub(crate) struct TimeAxisArgs {
     /// Treatment of the ends [default: reflect]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<TimeEnds>())]
     pub(crate) time_ends: Option<TimeEnds>,
-}
-
-/// One gain for each band along time.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Time")]
-pub(crate) struct TimeGainArgs {
-    /// One gain per band along time, fine to coarse: 1 keeps the band, 0 drops it [default: 0 for each, which smooths]
-    #[arg(
-        long,
-        value_name = "G,G,…",
-        value_parser = number,
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    pub(crate) time_gains: Option<Vec<f64>>,
 }
 
 impl TimeArgs {

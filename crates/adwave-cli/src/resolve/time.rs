@@ -41,14 +41,14 @@ impl TimeBands {
                 .refuse(&NEED_WIDTHS, "applies to bands along time (--time-fwhm or --time-lengths)")?;
             return Ok(None);
         };
-        TimeAxis::check_bands(&widths, &vec![0.0; widths.len()]).map_err(time_error)?;
+        TimeAxis::check_widths(&widths).map_err(time_error)?;
         let (axis, held) = resolve_frames(&args.axis, name, signal, global)?;
         Ok(Some(Self { axis, widths, is_stated: args.axis.time_step.is_none(), held }))
     }
 
     /// Refuses gains that are not one finite number for each band.
     pub(crate) fn check_gains(&self, gains: &[f64]) -> Result<(), CliError> {
-        TimeAxis::check_bands(&self.widths, gains).map_err(time_error)
+        TimeAxis::check_gains(self.widths.len(), gains).map_err(time_error)
     }
 
     /// Multiplies the bands of `values`, vertices × frames, by `gains`.

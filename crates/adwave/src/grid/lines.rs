@@ -75,7 +75,7 @@ pub(crate) struct Lines<'a> {
     kind: LineKind<'a>,
 }
 
-/// How the places of a line are joined.
+/// Connection of the places of a line.
 #[derive(Clone, Copy)]
 pub(crate) enum LineKind<'a> {
     /// Places at equal distances; the ends reflect.
@@ -236,14 +236,14 @@ fn inverse(a: Complex) -> Complex {
     (a.0 / square, -a.1 / square)
 }
 
-/// What is beside the first and the last place of a line.
+/// Neighbor of the first and of the last place of a line, beyond the ends.
 #[derive(Clone, Copy, PartialEq)]
 enum Ends {
     /// The place itself.
     Reflecting,
     /// The place at the other end.
     Joined,
-    /// What the weights say: nothing.
+    /// None, by the weights.
     Weighted,
 }
 

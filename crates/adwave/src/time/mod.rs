@@ -60,7 +60,7 @@ enum FrameSteps {
     },
 }
 
-/// What the values at the first and the last frames are smoothed with.
+/// Frames beyond the ends, with which the first and the last ones are smoothed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TimeEnds {
@@ -224,7 +224,7 @@ impl TimeAxis {
             return 0.0;
         }
         let step = self.step();
-        Levels::new(widths).map(|(from, to)| step * Cascade::new(from / step, to / step).delay()).sum()
+        levels(widths).map(|(from, to)| step * Cascade::new(from / step, to / step).delay()).sum()
     }
 
     /// Smooths `values`, places × frames × `n_components` with the last index fastest, by the width σ along time.
@@ -257,7 +257,7 @@ impl TimeAxis {
         progress: Progress<'_>,
     ) -> Result<(), TimeError> {
         self.check(values.len(), n_components, widths)?;
-        Self::check_bands(widths, gains)?;
+        Self::check_gains(widths.len(), gains)?;
         let is_smoothing = gains.iter().all(|gain| *gain == 0.0);
         let row = self.n_frames * n_components;
         let together = (VALUES_TOGETHER / row).max(1) * row;
@@ -268,8 +268,7 @@ impl TimeAxis {
             let given = block.to_vec();
             let mut scaling = filled(&given, row, progress)?;
             let mut before = if is_smoothing { Vec::new() } else { scaling.clone() };
-            let levels = Levels::new(widths);
-            for (gain, (from, to)) in gains.iter().zip(levels) {
+            for (gain, (from, to)) in gains.iter().zip(levels(widths)) {
                 self.advance(&mut scaling, n_components, from, to, progress)?;
                 if is_smoothing {
                     continue;
@@ -314,7 +313,7 @@ impl TimeAxis {
         let row = self.n_frames * n_components;
         let mut scaling = filled(values, row, progress)?;
         let mut bands = Vec::with_capacity(widths.len() + 1);
-        for (from, to) in Levels::new(widths) {
+        for (from, to) in levels(widths) {
             let mut band = scaling.clone();
             self.advance(&mut scaling, n_components, from, to, progress)?;
             let scaling = &scaling;
@@ -342,21 +341,29 @@ impl TimeAxis {
         if row == 0 || !n_values.is_multiple_of(row) {
             return Err(TimeError::Values { n_frames: self.n_frames, n_components, found: n_values });
         }
-        Self::check_bands(widths, &vec![0.0; widths.len()])
+        Self::check_widths(widths)
     }
 
-    /// Checks widths and gains without values.
+    /// Checks widths along time without values.
     ///
     /// # Errors
-    /// [`TimeError`] unless the widths increase from above 0 and there is a finite gain for each.
-    pub fn check_bands(widths: &[f64], gains: &[f64]) -> Result<(), TimeError> {
-        if gains.len() != widths.len() || gains.iter().any(|gain| !gain.is_finite()) {
-            return Err(TimeError::Gains { n_bands: widths.len(), gains: gains.to_vec() });
-        }
+    /// [`TimeError`] unless they increase from above 0.
+    pub fn check_widths(widths: &[f64]) -> Result<(), TimeError> {
         let is_increasing = widths.windows(2).all(|pair| pair[0] < pair[1]);
         if widths.is_empty() || !is_increasing || widths.iter().any(|width| !(1e-100..1e100).contains(width))
         {
             return Err(TimeError::Widths { widths: widths.to_vec() });
+        }
+        Ok(())
+    }
+
+    /// Checks gains of `n_bands` bands along time without values.
+    ///
+    /// # Errors
+    /// [`TimeError`] unless there is a finite gain for each band.
+    pub fn check_gains(n_bands: usize, gains: &[f64]) -> Result<(), TimeError> {
+        if gains.len() != n_bands || gains.iter().any(|gain| !gain.is_finite()) {
+            return Err(TimeError::Gains { n_bands, gains: gains.to_vec() });
         }
         Ok(())
     }
@@ -397,24 +404,8 @@ fn rows_at_a_time(row: usize) -> usize {
 }
 
 /// Pairs of consecutive widths, from 0.
-struct Levels<'a> {
-    widths: std::slice::Iter<'a, f64>,
-    from: f64,
-}
-
-impl<'a> Levels<'a> {
-    fn new(widths: &'a [f64]) -> Self {
-        Self { widths: widths.iter(), from: 0.0 }
-    }
-}
-
-impl Iterator for Levels<'_> {
-    type Item = (f64, f64);
-
-    fn next(&mut self) -> Option<(f64, f64)> {
-        let to = *self.widths.next()?;
-        Some((std::mem::replace(&mut self.from, to), to))
-    }
+fn levels(widths: &[f64]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    std::iter::once(0.0).chain(widths.iter().copied()).zip(widths.iter().copied())
 }
 
 /// Values with 0 in each row that has one that is not finite: rows side by side are solved together.

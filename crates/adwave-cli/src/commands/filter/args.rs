@@ -1,8 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeArgs,
-    TimeGainArgs, number, parse_named, region, regions_help, value_type,
+    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeArgs, number,
+    parse_named, region, regions_help, value_type,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
@@ -64,8 +64,16 @@ pub(crate) struct FilterArgs {
     pub(crate) edit: EditArgs,
     #[command(flatten)]
     pub(crate) time: TimeArgs,
-    #[command(flatten)]
-    pub(crate) time_gains: TimeGainArgs,
+    /// One gain per band along time, fine to coarse: 1 keeps the band, 0 drops it [default: 0 for each, which smooths]
+    #[arg(
+        long,
+        value_name = "G,G,…",
+        value_parser = number,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        help_heading = "Time"
+    )]
+    pub(crate) time_gains: Option<Vec<f64>>,
     #[command(flatten)]
     pub(crate) normals: NormalArgs,
 }

@@ -122,7 +122,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     };
     let time = TimeBands::resolve(&args.time, &signal_name, &mut signal, global)?;
     let time = time.map(|time| {
-        let gains = args.time_gains.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
+        let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
         time.check_gains(&gains).map(|()| (time, gains))
     });
     let time = time.transpose()?;
