@@ -20,7 +20,8 @@ GUIDES = ("TUTORIAL", "STUDIO", "TOOLS", "FORMATS", "SCALE", "THEORY")
 #: Title of the reference page of each private module.
 REFERENCE = {
     "_shape": "Shapes and files",
-    "_edits": "Decompose, filter, denoise",
+    "_edits": "Decompose, smooth, filter",
+    "_denoise": "Denoise",
     "_decomposer": "Decomposer, bands and layers",
     "_options": "Levels, operator, constraints",
     "_measures": "Saliency and features",

@@ -62,7 +62,8 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
     "_deform": ("CloneResult", "Deformer"),
     "_detail": ("morph", "transfer"),
-    "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"),
+    "_edits": ("decompose", "filter", "filter_labels", "smooth"),
+    "_denoise": ("DenoiseResult", "denoise"),
     "_measures": (
         "FeatureOptions",
         "Features",

@@ -21,12 +21,12 @@ from adwave._deform import CloneResult as CloneResult
 from adwave._deform import Deformer as Deformer
 from adwave._detail import morph as morph
 from adwave._detail import transfer as transfer
-from adwave._edits import DenoiseResult as DenoiseResult
 from adwave._edits import decompose as decompose
-from adwave._edits import denoise as denoise
 from adwave._edits import filter as filter
 from adwave._edits import filter_labels as filter_labels
 from adwave._edits import smooth as smooth
+from adwave._denoise import DenoiseResult as DenoiseResult
+from adwave._denoise import denoise as denoise
 from adwave._measures import FeatureOptions as FeatureOptions
 from adwave._measures import Features as Features
 from adwave._measures import Saliency as Saliency

@@ -1,13 +1,13 @@
-"""Bands of a shape, and the shape after an edit or without its noise."""
+"""Bands of a shape, and the shape after an edit."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from adwave import _native
 from adwave._caller import Call, public, warn
@@ -32,17 +32,16 @@ from adwave._options import (
     Length,
     LevelsLike,
     Numbers,
-    Operator,
     OperatorLike,
     SignalLike,
     as_operator,
     levels_of,
 )
 from adwave._other_names import PRESETS
-from adwave._part import NoiseModel, Part, default_signal, exact_operator, grid_method, read_part
+from adwave._part import Part, default_signal, exact_operator, grid_method, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
-from adwave._time import Time, channels_of, frames_axis, frames_of, split_in_time
+from adwave._time import Time, frames_axis, split_in_time
 from adwave._walk import Walk
 
 if TYPE_CHECKING:
@@ -50,17 +49,15 @@ if TYPE_CHECKING:
 
     import adwave
     from adwave._part import (
-        DenoiseCall,
         FilterCall,
         FilterOptions,
-        PartOptions,
         PrecisionOptions,
         SignalOptions,
         SmoothCall,
-        SmoothOptions,
+        SmoothInTimeOptions,
     )
 
-__all__ = ["DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"]
+__all__ = ["decompose", "filter", "filter_labels", "smooth"]
 
 #: A kind of object that results come back as.
 _Kind = TypeVar("_Kind")
@@ -224,9 +221,8 @@ def smooth(
     lazy: bool = True,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
-    time: Time | None = None,
     progress: ProgressLike = None,
-    **options: Unpack[SmoothOptions],
+    **options: Unpack[SmoothInTimeOptions],
 ) -> object:
     """Smooth a signal on a shape, or the shape itself, by one width or number of steps: ``Φ₁^steps f``.
 
@@ -251,12 +247,11 @@ def smooth(
         steps the walk may leave the range of the signal by a few percent; heat never does.
     accuracy : float
         Largest error relative to the change.
-    time : Time, optional
-        Smooth along time too, a signal with frames along its last axis (of (times, n) along its first).
     progress : bool or callable, optional
         As in `decompose`.
     **options
-        ``faces=``, ``mask=`` or ``only=``, and ``exact=True`` as in `decompose`.
+        ``faces=``, ``mask=`` or ``only=``, and ``exact=True`` as in `decompose`; ``time=aw.Time(dt=2, fwhm=4)`` smooths a
+        signal with frames along its last axis (of (times, n) along its first) along time too.
 
     Returns
     -------
@@ -278,6 +273,7 @@ def smooth(
     >>> smooth.shape, bool(smooth.std() < f.std())
     ((2000,), True)
     """
+    time = options.pop("time", None)
     if steps is not None and not is_number(steps) and np.ndim(steps):
         raise TypeError(
             misfit(smooth, (shape, signal, steps), {}, "smooth takes a number of steps third, got an array")
@@ -297,7 +293,7 @@ def smooth(
     signal = default_signal(part, signal)
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
     taken, schedule = part.take_signal(signal), decomposer.schedule(levels)
-    _refuse_labels(signal, decomposer)
+    refuse_labels(signal, decomposer)
     if lazy:
         values = decomposer._smooth(taken, schedule, accuracy, progress)
     else:
@@ -306,11 +302,11 @@ def smooth(
         layout = _layout_of(decomposer, taken)
         found = part.spread(values, layout).astype(float_type(signal), copy=False)
         return found if time is None else time.smooth(found, axis=frames_axis(layout), progress=progress)
-    _refuse_time(time)
-    return _with_named_signal(part, decomposer.shape, signal or "coords", values)
+    refuse_time(time)
+    return with_named_signal(part, decomposer.shape, signal or "coords", values)
 
 
-def _refuse_time(time: Time | None) -> None:
+def refuse_time(time: Time | None) -> None:
     if time is not None:
         raise ValueError("time: it applies to numbers with frames, (n, times); pass them as the signal, (shape, f, …)")
 
@@ -319,7 +315,7 @@ def _layout_of(decomposer: Decomposer, signal: SignalLike) -> Layout:
     return decomposer._signal_values(signal)[1]
 
 
-def _with_named_signal(part: Part, shape: Shape, name: str, values: NDArray[np.float64]) -> Any:
+def with_named_signal(part: Part, shape: Shape, name: str, values: NDArray[np.float64]) -> Any:
     """The caller's object with new values of a signal that was named."""
     return part.with_named_signal(_changed(shape, name, values), name)
 
@@ -387,7 +383,6 @@ def filter(
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
     local_fit: LocalFit | None = None,
-    time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[FilterOptions],
 ) -> object:
@@ -423,13 +418,12 @@ def filter(
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
         as in `decompose` and `Bands.apply`. By default linear, and constant on an image or a volume.
-    time : Time, optional
-        Smooth along time too; other gains along time are those of `Time.filter`, before or after.
     progress : bool or callable, optional
         As in `decompose`.
     **options
         ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=``, ``steps=`` and, with
-        ``local_fit='constant'`` or coordinates, ``precision=`` and ``accuracy=`` as in `decompose`.
+        ``local_fit='constant'`` or coordinates, ``precision=`` and ``accuracy=`` as in `decompose`; ``time=`` smooths along
+        time too, as in `smooth` (other gains along time are those of `Time.filter`, before or after).
 
     Returns
     -------
@@ -450,6 +444,7 @@ def filter(
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
     >>> heights = aw.filter(noisy, noisy.points[:, 2], [0, 1, 1])
     """
+    time = options.pop("time", None)
     own = grid_method("filter", shape, options)
     if own is not None:
         given = {"local_fit": local_fit, "operator": operator, "constraints": constraints, "time": time}
@@ -497,7 +492,7 @@ def filter(
             found, layout = edited(named)
         result = part.spread(found, layout, named).astype(float_type(named), copy=False)
         return result if time is None else time.smooth(result, axis=frames_axis(layout), progress=progress)
-    _refuse_time(time)
+    refuse_time(time)
     settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy, precision)
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
@@ -579,7 +574,7 @@ def edit_shape(
     """The shape with one of its signals edited."""
     signal, shape = settings.signal, decomposer.shape
     values, _ = decomposer._signal_values(signal)
-    _refuse_labels(signal, decomposer)
+    refuse_labels(signal, decomposer)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
     along = "xyz".index(str(settings.constraints.along)) if heights else 0
@@ -604,7 +599,7 @@ def edit_shape(
     return _changed(shape, signal, edited)
 
 
-def _refuse_labels(signal: SignalLike, decomposer: Decomposer) -> None:
+def refuse_labels(signal: SignalLike, decomposer: Decomposer) -> None:
     if not isinstance(signal, str):
         return
     values, _ = decomposer._signal_values(signal)
@@ -678,298 +673,7 @@ def _has_layers(gains: Any) -> bool:
     return isinstance(gains, Layer) or (len(gains) > 0 and all(isinstance(g, Layer) for g in gains))
 
 
-if TYPE_CHECKING:
-
-    class DenoiseResult(NamedTuple, Generic[_Kind]):
-        """A shape or signal without noise, and the estimates that it is based on."""
-
-        result: _Kind
-        info: dict[str, Any]
-
-        def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]: ...
-
-else:
-
-    class DenoiseResult(NamedTuple):
-        """A shape or signal without noise, and the estimates that it is based on.
-
-        Attributes
-        ----------
-        result : object like the shape, or array
-            A `Shape` for a `Shape` or a path, a trimesh for a trimesh, a pair for a pair, and so on; an array like the signal if
-            numbers are given. Its attributes are those of the `DenoiseResult` too: ``aw.denoise(mesh).vertices``.
-        info : dict
-            ``noise``: the standard deviation of the noise, in model units of a shape and in the units of a signal. For a
-            shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
-            unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
-            creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
-            where those of a mesh stop, and the largest distance) and ``noise_map`` (the noise at each vertex, in model units: no
-            vertex moves farther than 3 times it, impulses aside). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
-            over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
-            where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
-            ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
-            ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
-            ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
-            that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the
-            distance of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in
-            9 of 10 generated clouds), ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan
-            lines) and ``two_surfaces`` (whether most neighborhoods seem to hold two, by ``residual_ratio``, the mean
-            absolute residual over the root mean square: 0.80 for noise on one). For a curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
-            ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to which each coordinate is
-            rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``, ``step_weights``
-            and ``risk`` (expected squared error before and after), for each group of ``channels``.
-
-        Examples
-        --------
-        >>> import adwave as aw
-        >>> found = aw.denoise(aw.sample("sphere", vertices=500, noise=0.2))
-        >>> found.result.n_vertices, sorted(found.info)[:2]
-        (500, ['crease_weights', 'furthest'])
-        """
-
-        result: object
-        info: dict[str, Any]
-
-        def __getattr__(self, name: str) -> object:
-            # So that `denoise(mesh).vertices` is what `filter(mesh, "smooth").vertices` is.
-            if name.startswith("_"):
-                raise AttributeError(name)
-            try:
-                return getattr(self.result, name)
-            except AttributeError:
-                kind = type(self.result).__name__
-                raise AttributeError(
-                    f"DenoiseResult has result and info, and its result, a {kind}, no {name!r}"
-                ) from None
-
-        def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]:
-            return np.array(self.result, dtype=dtype)
-
-
-@dataclass(frozen=True)
-class DenoiseOptions:
-    """Options of denoising, as the extension takes them."""
-
-    strength: float = 1.0
-    creases: str = "auto"
-    noise: Union[float, None] = None
-    noise_model: str = "gaussian"
-    local_fit: str = "linear"
-    outliers: str = "keep"
-    shared_noise: Union[float, str] = "detail"
-
-
-@overload
-def denoise(shape: object, signal: NDArray[Float], **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[Float]]: ...
-@overload
-def denoise(shape: object, signal: Numbers, **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[np.float64]]: ...
-@overload
-def denoise(shape: adwave.Grid[_Kind], signal: None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
-@overload
-def denoise(
-    shape: Path | Decomposer | Walk, signal: str | None = None, **options: Unpack[DenoiseCall]
-) -> DenoiseResult[Shape]: ...
-@overload
-def denoise(
-    shape: tuple[NDArray[Float], _Faces], signal: None = None, **options: Unpack[DenoiseCall]
-) -> DenoiseResult[tuple[NDArray[Float], _Faces]]: ...
-@overload
-def denoise(shape: _Kind, signal: str | None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
-
-
-@public()
-def denoise(
-    shape: object,
-    signal: SignalLike = None,
-    *,
-    strength: float = 1.0,
-    creases: Literal["auto", "keep", "none"] = "auto",
-    noise: float | NoiseModel | tuple[NoiseModel, float] | None = None,
-    local_fit: LocalFit = "linear",
-    outliers: Literal["keep", "pull"] = "keep",
-    operator: OperatorLike = None,
-    time: Time | None = None,
-    progress: ProgressLike = None,
-    **options: Unpack[PartOptions],
-) -> DenoiseResult[Any]:
-    """Remove noise from a shape, or from a signal on it, without tuning.
-
-    The amount of noise is estimated, and scaling functions of several widths, with and without steps across creases,
-    are mixed by the least estimated risk.
-
-    Parameters
-    ----------
-    shape : shape_like
-        Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or array_like, optional
-        A signal instead of the shape, in the axes of `decompose`; each channel is masked where it is NaN.
-    strength : float
-        Factor of the noise: below 1 more careful, above 1 more thorough.
-    creases : {'auto', 'keep', 'none'}
-        Whether sharp edges are preserved: as the estimated risk prefers, always, or never.
-    noise : float or str or (str, float), optional
-        Standard deviation of the noise along the normals in model units, or of the signal, if it is known. For a signal
-        also the dependence of the noise on the values: ``'poisson'`` for counts, of which the variance is proportional to
-        the value, ``'multiplicative'`` if the standard deviation is proportional to it, ``'rician'`` for magnitudes
-        of complex values, as in MRI, whose bias goes too, and ``'gaussian'``, the default.
-        With a number, ``('poisson', 1.0)``, that is the standard deviation at a value of 1. For a mesh ``'shared'`` removes
-        noise that neighbors share too, as scanners make it: as much as the mesh admits
-        (``info["shared_noise_at_most"]``), detail of that size included, or with a number that standard deviation along the
-        normals. By default it stays, because it looks like detail.
-    local_fit : {'linear', 'constant'}
-        What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
-    outliers : {'keep', 'pull'}
-        Whether outliers of a cloud stay where they are or are moved to their neighbors; ``info["outliers"]`` names them.
-    operator : str or Operator, optional
-        As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
-    time : Time, optional
-        Remove noise in space and time together, ``time=aw.Time(dt=2)``, from a signal with frames along its last axis (of
-        (times, n) along its first): what is steady keeps its detail, and what changes is averaged over what changes alike.
-    progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
-    **options
-        ``faces=``, and ``mask=`` or ``only=``, the vertices that take part: the others stay as they are.
-
-    Returns
-    -------
-    DenoiseResult
-        The result and the estimates. Numbers come back for numbers; without a signal, or for the name of one, an object of
-        the caller's kind: a `Shape` for a `Shape` or a path, a trimesh for a trimesh.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If an argument is invalid, or does not apply to a shape or to a signal.
-
-    Examples
-    --------
-    >>> import adwave as aw
-    >>> noisy = aw.sample("torus", vertices=3000, noise=0.3)
-    >>> clean, info = aw.denoise(noisy)
-    >>> 0.1 < info["noise_in_edges"] < 0.5
-    True
-    """
-    own = grid_method("denoise", shape, options)
-    if own is not None:
-        given: dict[str, Any] = {} if operator is None else {"operator": operator}
-        given.update({} if creases == "auto" else {"creases": creases})
-        given.update({} if time is None else {"time": time})
-        return own(signal, strength=strength, noise=noise, local_fit=local_fit, progress=progress, **given, **options)
-    part = read_part("denoise", shape, options, _DENOISE, signal)
-    noise_model, deviation = _noise_model(noise)
-    shared: Union[float, str] = "detail"
-    if noise_model == "shared":
-        shared, deviation = "auto" if deviation is None else deviation, None
-    model = "gaussian" if noise_model == "shared" else noise_model
-    settings = DenoiseOptions(strength, creases, deviation, model, local_fit, outliers, shared)
-    signal = default_signal(part, signal)
-    if signal is None or isinstance(signal, str):
-        _refuse_time(time)
-    if signal is None:
-        if noise_model not in ("gaussian", "shared"):
-            raise ValueError(
-                f"noise: {noise_model} noise is that of a signal, not of positions; pass a number or leave it out"
-            )
-        weld = _only_weld(part, operator)
-        with report_progress(progress, "denoising") as report:
-            points, info = _native.denoise_points(part.shape._data, settings, weld, report)
-        return DenoiseResult(part.moved(part.shape._with_positions(points)), info)
-    if creases != "auto":
-        raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
-    if noise_model == "shared":
-        raise ValueError("noise: 'shared' applies to the positions of a mesh, not to a signal; leave it out")
-    decomposer = prepare_decomposer(part.part, exact_operator(operator, options))
-    taken = part.take_signal(signal)
-    values, layout = decomposer._signal_values(taken)
-    _refuse_labels(signal, decomposer)
-    if time is not None and values is not None:
-        clean, series_info = _denoise_frames(decomposer, values, layout, time, settings, progress)
-        result = part.spread(layout.arrange(clean), layout, signal)
-        return DenoiseResult(result.astype(float_type(signal), copy=False), series_info)
-    found: list[dict[str, Any]] = []
-    with report_progress(progress, "denoising") as report:
-
-        def denoise_channels(
-            owner: Decomposer, values: NDArray[np.float64] | None, channels: list[int]
-        ) -> NDArray[np.float64]:
-            result, own = _native.denoise_values(owner._data, values, settings, report)
-            found.extend({**info, "channels": [channels[c] for c in info["channels"]]} for info in own)
-            return result
-
-        denoised = decomposer._map_channels(values, denoise_channels)
-        found.sort(key=lambda info: info["channels"])
-    info = dict(found[0]) if len(found) == 1 else {"groups": found}
-    if isinstance(signal, str):
-        return DenoiseResult(_with_named_signal(part, decomposer.shape, signal, denoised), info)
-    found_values = part.spread(layout.arrange(denoised), layout, signal)
-    return DenoiseResult(found_values.astype(float_type(signal), copy=False), info)
-
-
-def _denoise_frames(
-    decomposer: Decomposer,
-    values: NDArray[np.float64],
-    layout: Layout,
-    time: Time,
-    settings: DenoiseOptions,
-    progress: ProgressLike,
-) -> tuple[NDArray[np.float64], dict[str, Any]]:
-    """A series of n × channels numbers without noise; vertices that are NaN in some frames keep their values."""
-    frames = frames_of(values, layout)
-    n_components = frames.shape[2]
-    series = frames.reshape(len(frames), -1)
-    unknown = np.atleast_1d(np.isnan(series).any(axis=1))
-    if unknown.any():
-        series = series.copy()
-        series[unknown] = np.nan
-    info: dict[str, Any] = {}
-    with report_progress(progress, "denoising") as report:
-
-        def work(owner: Decomposer, part: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
-            assert part is not None
-            result, found = _native.denoise_frames(owner._data, part, n_components, time._options, settings, report)
-            info.update(found)
-            return result
-
-        found = decomposer._map_channels(series, work)
-    clean = channels_of(found.reshape(frames.shape), layout)
-    return np.where(unknown[:, None], values, clean), info
-
-
-def _noise_model(noise: float | str | tuple[str, float] | None) -> tuple[str, float | None]:
-    """The model of the noise and its standard deviation, if that is given."""
-    if isinstance(noise, str):
-        return noise, None
-    if isinstance(noise, tuple):
-        if len(noise) != 2:
-            raise ValueError(f"noise: a pair must be a model and a number, got {len(noise)} entries")
-        return noise
-    return "gaussian", noise
-
-
-def _only_weld(part: Part, operator: OperatorLike) -> bool | float:
-    """The tolerance of welding, the only option of the operator that denoising a shape honors.
-
-    Raises
-    ------
-    TypeError
-        If there is another option, or a `Decomposer` has some.
-    """
-    given = as_operator(operator)
-    if given != Operator(weld=given.weld):
-        raise TypeError("operator: denoising a shape takes no option but weld; leave the others out")
-    if isinstance(part.part, Decomposer):
-        own = part.part._options
-        if own != Operator(kind=own.kind, weld=own.weld) or part.part.mask is not None:
-            raise TypeError(
-                "shape: denoising builds operators of its own, so that the options and the mask of this Decomposer would have "
-                "no effect; pass the shape, aw.denoise(decomposer.shape, mask=…)"
-            )
-        given = own if given.weld is None else given
-    return True if given.weld is None else given.weld
-
-
 _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
 _SMOOTH = ("signal", "steps", "fwhm", "rms", "lazy", "operator", "accuracy", "progress")
 _FILTER = ("signal", "gains", "where", "levels", "operator", "constraints", "local_fit", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
-_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

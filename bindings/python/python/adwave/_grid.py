@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _native
 from adwave._caller import Call, public, warn
 from adwave._decomposer import Bands, Decomposer, GainsLike, Layer, Where
-from adwave._edits import DenoiseResult, LocalFit, _gains_last, denoise, filter, filter_labels
+from adwave._denoise import DenoiseResult, denoise
+from adwave._edits import LocalFit, _gains_last, filter, filter_labels
 from adwave._grid_checks import (
     cast_values,
     check_flags,
@@ -36,7 +37,7 @@ from adwave._time import Time, frames_axis, split_in_time
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._options import Float, GridFilterCall, LevelOptions
+    from adwave._options import Float, GridFilterCall, GridFilterOptions, LevelOptions
 
 #: Kind of the results for the values of the grid itself.
 _Own = TypeVar("_Own")
@@ -360,9 +361,8 @@ class Grid(Members, Generic[_Own]):
         sigma: float | Sequence[float] | None = None,
         local_fit: LocalFit = "constant",
         accuracy: float = _native.ACCURACY,
-        time: Time | None = None,
         progress: ProgressLike = None,
-        **options: Unpack[LevelOptions],
+        **options: Unpack[GridFilterOptions],
     ) -> object:
         """Change the bands of a signal and sum them: smooth, enhance, keep or drop; see `adwave.filter`.
 
@@ -376,12 +376,10 @@ class Grid(Members, Generic[_Own]):
             A region in its text form, with points in the unit of the spacing from the first place
             (``"ball:point=10 20 0,radius=5"``), or a weight for each place, in the shape of the grid.
         levels, sigma, **options
-            As in `decompose`; by default one level for each gain.
+            As in `decompose`; by default one level for each gain. ``time=aw.Time(dt=2, fwhm=4)`` smooths along time too.
         local_fit : {'linear', 'constant'}
             What smoothing leaves unchanged: ``'constant'`` is heat itself, which keeps the sum; ``'linear'`` keeps slopes
             up to the border.
-        time : Time, optional
-            Smooth along time too.
         accuracy, progress
             As in `decompose`.
 
@@ -397,6 +395,7 @@ class Grid(Members, Generic[_Own]):
         >>> bool((sharp[16:] == image[16:]).all())
         True
         """
+        time = options.pop("time", None)
         wanted = levels_by_sigma("filter", levels, sigma, dict(options))
         if gains is None:
             line = working_line("filter", lambda call: None, 'grid.filter("smooth")')

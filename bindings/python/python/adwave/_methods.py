@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 #: Module of each function.
 _MODULE_OF = {
     "decompose": "_edits",
-    "denoise": "_edits",
+    "denoise": "_denoise",
     "features": "_measures",
     "filter": "_edits",
     "filter_labels": "_edits",

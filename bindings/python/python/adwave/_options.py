@@ -150,7 +150,19 @@ class LevelOptions(TypedDict, total=False):
     steps: Union[float, Sequence[float]]
 
 
-class GridFilterCall(LevelOptions, total=False):
+class GridFilterOptions(LevelOptions, total=False):
+    """Further options of `Grid.filter`.
+
+    Parameters
+    ----------
+    time : Time
+        The frames of a signal, and widths along time.
+    """
+
+    time: Union[Time, None]
+
+
+class GridFilterCall(GridFilterOptions, total=False):
     """All keywords of `Grid.filter`, for type checkers."""
 
     where: Union[str, ArrayLike, None]
@@ -158,7 +170,6 @@ class GridFilterCall(LevelOptions, total=False):
     sigma: Union[float, Sequence[float], None]
     local_fit: Literal["linear", "constant"]
     accuracy: float
-    time: Union[Time, None]
     progress: Union[bool, Callable[[int, int], object], None]
 
 

@@ -56,6 +56,22 @@ class PartOptions(TypedDict, total=False):
     only: Conditions
 
 
+class TimeOption(TypedDict, total=False):
+    """Option of functions that work along time too.
+
+    Parameters
+    ----------
+    time : Time
+        The frames of a signal, along its last axis (of (times, n) along its first), and widths along time.
+    """
+
+    time: Union[Time, None]
+
+
+class DenoiseKeywords(PartOptions, TimeOption, total=False):
+    """Further options of `denoise`."""
+
+
 class SmoothOptions(PartOptions, total=False):
     """Options of all functions that smooth.
 
@@ -66,6 +82,10 @@ class SmoothOptions(PartOptions, total=False):
     """
 
     exact: bool
+
+
+class SmoothInTimeOptions(SmoothOptions, TimeOption, total=False):
+    """Further options of `smooth`."""
 
 
 class SignalOptions(SmoothOptions, LevelOptions, total=False):
@@ -84,7 +104,7 @@ class PrecisionOptions(SignalOptions, total=False):
     precision: Literal["auto", "single", "double"]
 
 
-class FilterOptions(PrecisionOptions, total=False):
+class FilterOptions(PrecisionOptions, TimeOption, total=False):
     """Further options of `filter`.
 
     Parameters
@@ -96,7 +116,7 @@ class FilterOptions(PrecisionOptions, total=False):
     accuracy: float
 
 
-class SmoothCall(SmoothOptions, total=False):
+class SmoothCall(SmoothInTimeOptions, total=False):
     """All keywords of `smooth`, for type checkers."""
 
     fwhm: Union[Length, None]
@@ -104,7 +124,6 @@ class SmoothCall(SmoothOptions, total=False):
     lazy: bool
     operator: OperatorLike
     accuracy: float
-    time: Union[Time, None]
     progress: ProgressLike
 
 
@@ -116,14 +135,13 @@ class FilterCall(FilterOptions, total=False):
     operator: OperatorLike
     constraints: Union[Constraints, None]
     local_fit: Union[Literal["linear", "constant"], None]
-    time: Union[Time, None]
     progress: ProgressLike
 
 
 NoiseModel = Literal["gaussian", "poisson", "multiplicative", "rician", "shared"]
 
 
-class DenoiseCall(PartOptions, total=False):
+class DenoiseCall(DenoiseKeywords, total=False):
     """All keywords of `denoise`, for type checkers."""
 
     strength: float
@@ -132,7 +150,6 @@ class DenoiseCall(PartOptions, total=False):
     local_fit: Literal["linear", "constant"]
     outliers: Literal["keep", "pull"]
     operator: OperatorLike
-    time: Union[Time, None]
     progress: ProgressLike
 
 

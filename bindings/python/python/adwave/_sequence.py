@@ -11,7 +11,8 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from adwave._edits import decompose, denoise, filter, smooth
+from adwave._denoise import denoise
+from adwave._edits import decompose, filter, smooth
 from adwave._methods import Members
 from adwave._options import Length, LevelsLike
 from adwave._progress import ProgressLike
@@ -29,7 +30,7 @@ class CleanSequence(NamedTuple):
     >>> jitter = ball.points + 0.01 * np.random.default_rng(0).normal(size=(20, ball.n_vertices, 3))
     >>> clean, info = aw.sequence(jitter, faces=ball.faces).denoise()
     >>> sorted(info)
-    ['noise', 'risk', 'steps', 'weights', 'widths']
+    ['mean_steps', 'noise', 'risk', 'steps', 'weights', 'widths']
     """
 
     result: Sequence
