@@ -80,7 +80,7 @@ const LAYERS: [&[&str]; 20] = [
     &["region", "time"],
     &["filter"],
     &["decomposer"],
-    &["editor", "positions", "denoise"],
+    &["editor", "positions", "denoise", "directions"],
     &["population"],
     &["saliency"],
     &["features"],

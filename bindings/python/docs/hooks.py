@@ -34,6 +34,7 @@ REFERENCE = {
     "_grid": "Images and volumes",
     "_time": "Time",
     "_sequence": "Animations",
+    "_vectors": "Directions and tensors",
     "_impute": "Averages over similar cells",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",

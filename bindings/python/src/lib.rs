@@ -13,6 +13,7 @@ mod baselines;
 mod call;
 mod command;
 mod deform;
+mod directions;
 mod edit;
 mod error;
 mod frames;
@@ -49,6 +50,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(shape::mark_unknown, module)?)?;
     command::add(module)?;
     deform::add(module)?;
+    directions::add(module)?;
     edit::add(module)?;
     measures::add(module)?;
     operator::add(module)?;

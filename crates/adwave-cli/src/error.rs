@@ -69,7 +69,9 @@ macro_rules! by_kind {
 }
 
 by_kind!(
+    adwave::Cancelled,
     adwave::bands::ScheduleError,
+    adwave::directions::DirectionsError,
     adwave::shape::NoShape,
     adwave::operator::NoRows,
     adwave::filter::KeepVolumeError,

@@ -22,6 +22,7 @@
 //! | slopes kept: bands of a field about a local linear fit | [`local_fit`] | |
 //! | positions after a filter: borders and volume kept | [`positions`] | |
 //! | denoising of a shape or a signal by the least estimated risk | [`denoise`](mod@denoise) | |
+//! | tangent vectors, lines and crosses, and symmetric tensors on a surface | [`directions`] | |
 //! | saliency maps, and features with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
 //! | signals derived from the shape; vertices without a value | [`signal`], [`mask`] | |
 //!
@@ -58,6 +59,7 @@ pub mod basis;
 mod bessel;
 mod decomposer;
 pub mod denoise;
+pub mod directions;
 pub mod domain;
 mod editor;
 mod error;

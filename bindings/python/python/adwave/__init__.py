@@ -32,6 +32,7 @@ info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
 Time(dt=2, fwhm=4)                          bands along time: smooth(shape, f, fwhm=8, time=aw.Time(2, fwhm=4))
 sequence("walk/*.obj", dt=0.04)             frames of a shape that moves: smooth, filter, denoise, write
+vectors(shape, v, symmetry=1)               tangent vectors, lines or crosses; tensors(grid, D) for tensors
 rasterize(points, cell=1)                   heights of a scan as a grid, and values back at points
 impute(counts, walk), scattering(walk, f)   averages over similar cells; features of fields on a graph
 studio(shape)                               an equalizer in the browser
@@ -82,6 +83,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_raster": ("Raster", "rasterize"),
     "_time": ("Time",),
     "_sequence": ("CleanSequence", "Sequence", "sequence"),
+    "_vectors": ("Singularities", "TensorField", "VectorField", "tensors", "vectors"),
     "_impute": ("Imputation", "impute"),
     "_info": ("Info", "info", "memory_needed", "preset_gains", "region", "report", "signal"),
     "_picture": ("Camera", "ColorScale", "Picture", "render"),

@@ -65,6 +65,11 @@ from adwave._time import Time as Time
 from adwave._sequence import CleanSequence as CleanSequence
 from adwave._sequence import Sequence as Sequence
 from adwave._sequence import sequence as sequence
+from adwave._vectors import Singularities as Singularities
+from adwave._vectors import TensorField as TensorField
+from adwave._vectors import VectorField as VectorField
+from adwave._vectors import tensors as tensors
+from adwave._vectors import vectors as vectors
 from adwave._impute import Imputation as Imputation
 from adwave._impute import impute as impute
 from adwave._info import Info as Info
@@ -118,10 +123,13 @@ __all__ = [
     "Sequence",
     "Shape",
     "SimplifyResult",
+    "Singularities",
     "Steps",
     "StudioResult",
+    "TensorField",
     "Time",
     "Trials",
+    "VectorField",
     "Walk",
     "Widths",
     "__version__",
@@ -164,8 +172,10 @@ __all__ = [
     "smooth",
     "studio",
     "subdivide",
+    "tensors",
     "threads",
     "transfer",
+    "vectors",
     "walk",
 ]
 __version__: str

@@ -232,8 +232,8 @@ class PreparedShape(Carrier):
         other = type(self).__new__(type(self))
         other.shape, other._options, other._mask, other._given_walk = self.shape, self._options, None, given
         other._by_width = other._last_masked = None
-        is_own = isinstance(given, GivenOperator)
-        other._data = given.prepare(self._data) if is_own else self._data.with_walk(given._data)
+        prepare = getattr(type(given), "prepare", None)
+        other._data = self._data.with_walk(given._data) if prepare is None else prepare(given, self._data)
         return other if self._mask is None else other.with_mask(self._mask)
 
     def schedule(self, levels: LevelsLike = None, *, extent: float | None = None) -> list[float]:

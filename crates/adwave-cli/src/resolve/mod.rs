@@ -5,6 +5,7 @@ pub(crate) mod applicable;
 pub(crate) mod levels;
 pub(crate) mod operator;
 pub(crate) mod pose;
+pub(crate) mod quantity;
 pub(crate) mod region;
 pub(crate) mod shape;
 pub(crate) mod signal;

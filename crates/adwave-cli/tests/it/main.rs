@@ -11,6 +11,7 @@ mod curves;
 #[path = "../../../adwave/tests/it/cylinder.rs"]
 mod cylinder;
 mod deform;
+mod directions;
 mod field_files;
 mod gains_everywhere;
 mod graphs;

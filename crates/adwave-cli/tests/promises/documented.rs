@@ -1,7 +1,7 @@
 //! Every command in the documents and in the help runs as it is written, in a folder of small files of the names that they use.
 
 use crate::cells_file::write_cells_file;
-use crate::fixtures::levels;
+use crate::fixtures::{levels, tensors};
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
 use crate::wording::wording_faults;
 use adwave::sample::{NoiseSigma, Sample};
@@ -203,6 +203,11 @@ fn write_named_files(folder: &Path) {
     ] {
         assert!(run_line(folder, line).is_done(), "{line}");
     }
+    let mut flow = model.clone();
+    let wind = flow.points().iter().flat_map(|p| [-p[1], p[0], 0.2]).collect();
+    flow.add_vertex_field(Field::new("wind", 3, FieldValues::F64(wind))).unwrap();
+    save(&flow, "flow.ply");
+    write_path(&tensors(), &at("dti.nii.gz"), None).unwrap();
     write_texture(folder);
     for folder in ["models", "textured-models", "FOLDER"] {
         fs::create_dir_all(at(folder)).unwrap();

@@ -40,6 +40,7 @@ fn write_fixtures(folder: &Path) {
     save(&single(), &at("single.ply"));
     write_path(&image(), &at("image.tif"), None).unwrap();
     write_path(&series(), &at("series.nii"), None).unwrap();
+    write_path(&tensors(), &at("tensors.nii"), None).unwrap();
     for (name, seed) in [("curve.obj", 1), ("curve2.obj", 2)] {
         fs::write(at(name), curve(seed)).unwrap();
     }
@@ -106,6 +107,18 @@ fn image() -> ShapeFile {
 }
 
 /// A small volume that changes over 20 frames.
+/// Positive definite tensors in a volume: xx, xy, xz, yy, yz, zz.
+pub(crate) fn tensors() -> ShapeFile {
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[5, 6, 7], &[3.0, 2.0, 2.0])).unwrap();
+    let value = |i: usize| {
+        let wave = 0.3 * ((i / 6 * 7919 % 23) as f32).sin();
+        [2.0 + wave, 0.2, wave, 1.0 - wave, 0.1, 1.5][i % 6]
+    };
+    let values = FieldValues::F32((0..1260).map(value).collect());
+    file.add_vertex_field(Field::new(GRID_VALUES, 6, values)).unwrap();
+    file
+}
+
 fn series() -> ShapeFile {
     let mut file = ShapeFile::from_grid(GridLayout::new(&[5, 6, 7], &[3.0, 2.0, 2.0])).unwrap();
     let value = |i: usize| ((i / 20 * 7919 % 23) as f32 + 3.0 * (i % 20 * 37 % 11) as f32).sin();

@@ -147,6 +147,8 @@ const CASES: &[OptionCase] = &[
     in_file(with(case("filter", "--time-gains", "2"), "-o out/r.nii --time-fwhm 3s"), "series.nii"),
     in_file(with(case("filter", "--time-step", "1s"), "-o out/r.nii --time-fwhm 3s"), "series.nii"),
     in_file(with(case("filter", "--time-ends", "causal"), "-o out/r.nii --time-fwhm 3s"), "series.nii"),
+    with(case("filter", "--directions", "lines"), "--signal normals"),
+    in_file(with(case("filter", "--tensors", "fsl"), "-o out/r.nii"), "tensors.nii"),
     in_file(with(case("denoise", "--value-type", "f32"), "-o out/r.tif"), "image.tif"),
     case("filter", "--along", "z"),
     with(case("filter", "--recipe", "recipe.toml"), "!--gains !--preset"),

@@ -103,7 +103,7 @@ impl Triangulation {
     /// to its own back.
     pub(super) fn double(self) -> Self {
         let n = self.n_sides();
-        let Self { mut corner, mut length, mut twin } = self;
+        let Self { mut corner, mut length, mut twin, .. } = self;
         for t in (0..n).step_by(3) {
             corner.extend([corner[t], corner[t + 2], corner[t + 1]]);
             length.extend([length[t + 2], length[t + 1], length[t]]);
@@ -119,7 +119,7 @@ impl Triangulation {
                 other => twin[under] = Self::back_side(other as usize, n) as u32,
             }
         }
-        Self { corner, length, twin }
+        Self { corner, length, twin, angles: None }
     }
 }
 

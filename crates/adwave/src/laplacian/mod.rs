@@ -11,6 +11,7 @@
 mod cloud;
 mod gluing;
 mod triangulation;
+mod turning;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
@@ -20,6 +21,8 @@ use crate::shape::{
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next, previous};
+pub use turning::TangentPlane;
+pub(crate) use turning::{Turn, turn_between};
 
 /// Largest weight that counts as rounding, relative to cotangents of about 1: the diagonal of a rectangle has
 /// weight 0.
@@ -231,6 +234,84 @@ fn mesh_laplacian(
     })?;
     let info = LaplacianInfo { n_flips, is_covered, lengthened };
     Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, area_unit: 1.0, info })
+}
+
+/// Triangulation whose edges carry directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EdgesForTurns {
+    /// The triangles of the mesh.
+    Mesh,
+    /// The intrinsic Delaunay triangulation, along whose edges heat flows.
+    Delaunay,
+}
+
+/// Turns of directions that are carried around a triangle.
+pub(crate) struct TriangleTurns {
+    /// Number of the triangle.
+    pub(crate) triangle: usize,
+    /// Angle by which the triangle turns whatever is carried around it.
+    pub(crate) curvature: f64,
+    /// Turns from its corners 1, 2 and 0 to its corners 0, 1 and 2.
+    pub(crate) turns: [Turn; 3],
+}
+
+/// Directions on a triangle mesh.
+pub(crate) struct MeshDirections<'a> {
+    pub(crate) points: &'a [[f64; 3]],
+    pub(crate) triangles: &'a [[u32; 3]],
+    /// Tangent planes of the vertices, with the orientation of the triangles.
+    pub(crate) planes: &'a [TangentPlane],
+    /// Order s of the symmetry: a direction counts as itself after a turn by 2π/s.
+    pub(crate) symmetry: u32,
+}
+
+impl MeshDirections<'_> {
+    /// The sheet of the triangles with the angles of its sides; `None` unless each edge has at most two triangles, with
+    /// one orientation.
+    fn sheet(&self, progress: Progress<'_>) -> Result<Option<(Triangulation, Pattern)>, Cancelled> {
+        let n = self.points.len();
+        let mut surface = Triangulation::new(self.points, self.triangles, progress)?;
+        let at_vertex = surface.triangles_at_vertices(n, progress)?;
+        if !glue_sheet(&mut surface, &at_vertex, progress)?.is_manifold {
+            return Ok(None);
+        }
+        surface.mollify(progress)?;
+        let angles = surface.side_angles(self.points, self.planes, &at_vertex, progress)?;
+        surface.angles = Some(angles);
+        Ok(Some((surface, at_vertex)))
+    }
+
+    /// Turns of the entries of `pattern`, in its order: those of the edges, and elsewhere of `across(x, y)`.
+    pub(crate) fn turns(
+        &self,
+        edges: EdgesForTurns,
+        pattern: &Pattern,
+        across: impl Fn(usize, usize) -> Turn + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Option<Vec<Turn>>, Cancelled> {
+        let Some((mut surface, mut at_vertex)) = self.sheet(progress)? else { return Ok(None) };
+        if edges == EdgesForTurns::Delaunay {
+            surface.flip_to_delaunay(progress)?;
+            at_vertex = surface.triangles_at_vertices(self.points.len(), progress)?;
+        }
+        surface.turns(&at_vertex, self.symmetry, pattern, across, progress).map(Some)
+    }
+
+    /// Turns of each triangle with three different corners, in order, without those at vertices whose triangles are no
+    /// fan. `None` as for [`turns`](Self::turns).
+    pub(crate) fn triangle_turns(
+        &self,
+        progress: Progress<'_>,
+    ) -> Result<Option<Vec<TriangleTurns>>, Cancelled> {
+        let Some((surface, _)) = self.sheet(progress)? else { return Ok(None) };
+        let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        let numbers = (0..self.triangles.len()).filter(|&t| proper(&self.triangles[t]));
+        let found = numbers.enumerate().filter_map(|(t, triangle)| {
+            let (curvature, turns) = surface.triangle_turns(t, self.symmetry)?;
+            Some(TriangleTurns { triangle, curvature, turns })
+        });
+        Ok(Some(found.collect()))
+    }
 }
 
 /// Area of the Voronoi cell of `x`, whose triangles are `around`, in the surface of a Delaunay triangulation: at each

@@ -1,5 +1,6 @@
 //! Triangles given by side lengths and glued side to side, without positions, for intrinsic geometry.
 
+use super::turning::SideAngles;
 use crate::parallel;
 use crate::rows::{Pattern, incidence};
 use crate::vector::{norm, subtract};
@@ -28,6 +29,8 @@ pub(super) struct Triangulation {
     pub(super) length: Vec<f64>,
     /// Twin of each side, which runs in the opposite direction.
     pub(super) twin: Vec<u32>,
+    /// Angles of the sides in the tangent planes, if directions are wanted; flips keep them up to date.
+    pub(super) angles: Option<SideAngles>,
 }
 
 /// Next side of the triangle of `h`.
@@ -53,7 +56,7 @@ impl Triangulation {
             norm(&subtract(&points[corner[next(h)] as usize], &points[corner[h] as usize]))
         })?;
         let twin = vec![NONE; corner.len()];
-        Ok(Self { corner, length, twin })
+        Ok(Self { corner, length, twin, angles: None })
     }
 
     pub(super) fn n_sides(&self) -> usize {
@@ -176,7 +179,8 @@ impl Triangulation {
         }
         // The triangle of h becomes (m, j, k), that of g becomes (i, m, k).
         let (jk, ki, im, mj) = (h1, h2, g1, g2);
-        let old = [jk, ki, im, mj].map(|s| (s, self.length[s], self.twin[s]));
+        let angle = |s: usize| self.angles.as_ref().map_or(0.0, |angles| angles.angle[s]);
+        let old = [jk, ki, im, mj].map(|s| (s, self.length[s], self.twin[s], angle(s)));
         let (t, u) = (h - h % 3, g - g % 3);
         self.corner[t..t + 3].copy_from_slice(&[m, j, k]);
         self.corner[u..u + 3].copy_from_slice(&[i, m, k]);
@@ -186,9 +190,12 @@ impl Triangulation {
             s if s == im => u,
             _ => u + 2,
         };
-        for &(side, length, twin) in &old {
+        for &(side, length, twin, angle) in &old {
             let now = place(side);
             self.length[now] = length;
+            if let Some(angles) = &mut self.angles {
+                angles.angle[now] = angle;
+            }
             // A twin may be one of the four sides that move.
             let moves_too = old.iter().any(|o| o.0 as u32 == twin);
             let twin = if moves_too { place(twin as usize) as u32 } else { twin };
@@ -201,6 +208,7 @@ impl Triangulation {
         self.length[u + 1] = diagonal;
         self.twin[t + 2] = (u + 1) as u32;
         self.twin[u + 1] = (t + 2) as u32;
+        self.turn_flipped(t, u);
         true
     }
 }

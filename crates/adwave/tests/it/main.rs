@@ -9,6 +9,7 @@ mod curves;
 mod cylinder;
 mod denoise;
 mod density;
+mod directions;
 mod editor;
 mod engine;
 mod examples;

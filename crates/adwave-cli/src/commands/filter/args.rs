@@ -1,8 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeArgs, number,
-    parse_named, region, regions_help, value_type,
+    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, QuantityArgs, ShapeArgs, SignalArgs,
+    TimeArgs, number, parse_named, region, regions_help, value_type,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
@@ -32,6 +32,9 @@ Examples:
   adwave filter volume.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --only values=5..
   adwave filter dem.tif -o plain.tif --lengths 100 --gains 0 --value-type f32
   adwave filter bold.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --time-fwhm 4s
+  adwave filter flow.ply -o calm.ply --signal wind --directions vectors \\
+    --fwhm 5% --preset suppress
+  adwave filter dti.nii.gz -o smooth.nii.gz --tensors fsl --fwhm 4 --preset suppress
   adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress \\
     --mask lh.cortex.label
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
@@ -48,6 +51,8 @@ pub(crate) struct FilterArgs {
     pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) quantity: QuantityArgs,
     #[command(flatten)]
     pub(crate) fit: LocalFitArgs,
     #[command(flatten)]

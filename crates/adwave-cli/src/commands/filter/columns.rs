@@ -79,7 +79,15 @@ fn write_groups(
             let chosen = Some(LevelsAndLayers { schedule: &schedule, layers: &layers });
             let group = edited_parts(job, &parts, &signal.values, chosen, global, progress.quiet())?;
             let (edited, change) = (EditedSignal::Written, SignalChange::default());
-            filtered = Some(Filtered { decomposer, schedule, layers, edited, change, accuracy: None });
+            filtered = Some(Filtered {
+                decomposer,
+                schedule,
+                layers,
+                edited,
+                change,
+                accuracy: None,
+                quantity: None,
+            });
             group
         };
         let EditedGroup { mut values, accuracy } = group;

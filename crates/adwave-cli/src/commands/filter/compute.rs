@@ -8,6 +8,7 @@ use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{SignalParts, build_decomposer, note_close_sheets, note_outsiders};
 use crate::resolve::pose::reshaped_points;
+use crate::resolve::quantity::{Carried, QuantityReport};
 use crate::resolve::region::{note_region, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
@@ -28,6 +29,8 @@ pub(super) struct Filtered {
     pub(super) change: SignalChange,
     /// Number format and error of the bands, of a signal of many channels.
     pub(super) accuracy: Option<BandsAccuracy>,
+    /// Facts about directions or tensors.
+    pub(super) quantity: Option<QuantityReport>,
 }
 
 impl Filtered {
@@ -78,18 +81,31 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
             let sheets = decomposer.close_sheets(progress.quiet()).map_err(|_| CliError::Cancelled)?;
             note_close_sheets(sheets, global);
         }
-        let parts = SignalParts::new(&decomposer, &job.signal, &job.signal_name, global)?;
-        let decomposer = parts.first().decomposer.clone();
+        let quantity = job.quantity;
+        let carried =
+            Carried::new(quantity, &decomposer, &job.signal, &job.signal_name, global, progress.quiet())?;
+        let parts = (carried.signals.iter())
+            .map(|own| SignalParts::new(&own.decomposer, &own.signal, &job.signal_name, global))
+            .collect::<Result<Vec<_>, _>>()?;
+        let decomposer = parts[0].first().decomposer.clone();
         let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
         for layer in &job.layers {
             note_region(&layer.region, &job.input.file, &decomposer, global)?;
         }
         let chosen = LevelsAndLayers { schedule: &schedule, layers: &layers };
-        let EditedGroup { mut values, accuracy } = if job.is_in_time_alone() {
-            EditedGroup { values: job.signal.values.to_vec(), accuracy: None }
-        } else {
-            edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?
-        };
+        let (mut edited, mut accuracy) = (Vec::new(), None);
+        for (own, parts) in carried.signals.iter().zip(&parts) {
+            if job.is_in_time_alone() {
+                edited.push(own.signal.values.to_vec());
+                continue;
+            }
+            let group = edited_parts(job, parts, &own.signal.values, Some(chosen), global, progress)?;
+            edited.push(group.values);
+            if let Some(own) = group.accuracy {
+                accuracy = Some(BandsAccuracy::with(accuracy, own.precision, own.error_bound));
+            }
+        }
+        let (mut values, quantity) = carried.join(edited, progress.quiet())?;
         if let Some((time, gains)) = &job.time {
             time.filter(&mut values, gains, progress.quiet())?;
         }
@@ -106,7 +122,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         } else {
             job.result.place_values(&job.input.file, &job.signal_name, &job.signal, values)
         };
-        Ok(Filtered { decomposer, schedule, layers, edited, change, accuracy })
+        Ok(Filtered { decomposer, schedule, layers, edited, change, accuracy, quantity })
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
+use crate::args::QuantityArgs;
 use crate::commands::result_file::{ResultFile, set_value_type};
 use crate::error::CliError;
 use crate::global::Global;
@@ -17,7 +18,7 @@ use crate::resolve::walk::with_given_walk;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
-use adwave::operator::{EndPoints, OperatorParams};
+use adwave::operator::{EndPoints, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, jumps_at_seams};
 use adwave::{LevelSpec, MANY_CHANNELS};
@@ -35,6 +36,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) columns: Option<NpyColumns>,
     pub(super) operator: OperatorParams,
     pub(super) levels: FilterLevels,
+    /// What the numbers of the signal are.
+    pub(super) quantity: QuantityArgs,
     pub(super) layers: Vec<Layer>,
     /// Bands along time, and their gains.
     pub(super) time: Option<(TimeBands, Vec<f64>)>,
@@ -120,6 +123,12 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
         None
     };
+    if !args.quantity.are_numbers() {
+        let applies = "applies to numbers, and the signal holds directions or tensors";
+        let options =
+            ["--as-labels", "--local-fit", "--time-fwhm", "--time-lengths", "--recipe", "--save-recipe"];
+        global.given.refuse(&options, applies)?;
+    }
     let time = TimeBands::resolve(&args.time, &signal_name, &mut signal, global)?;
     let time = time.map(|time| {
         let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
@@ -150,10 +159,11 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         columns,
         operator,
         levels,
+        quantity: args.quantity,
         layers,
         time,
         keep_volume: edit.keep_volume,
-        local_fit: fit.filter(|_| labels.is_none()),
+        local_fit: fit.filter(|_| labels.is_none() && args.quantity.are_numbers()),
         labels,
         positions,
         bands,
@@ -210,6 +220,7 @@ fn columns_of_signal(
     // A pipe or a device takes bytes in order.
     let is_file = path.is_file() && (output.is_file() || !output.exists());
     let is_plain = args.time.widths().is_none()
+        && args.quantity.are_numbers()
         && args.signal.texture.is_none()
         && !args.as_labels
         && !args.labels.as_numbers;
@@ -297,6 +308,7 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
     flags.keep_creases |= recipe.is_some_and(|recipe| recipe.keep_creases);
     match recipe.and_then(|recipe| recipe.operator) {
         Some(kind) => operator_with_default(&flags, kind),
+        None if !args.quantity.are_numbers() => operator_with_default(&flags, OperatorKind::Surface),
         None => operator_for_spec(&flags, &levels(args, recipe).spec),
     }
 }

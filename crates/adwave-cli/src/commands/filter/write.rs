@@ -22,7 +22,7 @@ use std::fmt::Write;
 pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<'_>) -> Result<(), CliError> {
     let saved_levels = job.save_recipe.map(|saved| levels_to_save(&job, &filtered, saved.levels));
     let is_in_time_alone = job.is_in_time_alone();
-    let Filtered { decomposer, schedule, layers, edited, change, accuracy } = filtered;
+    let Filtered { decomposer, schedule, layers, edited, change, accuracy, quantity } = filtered;
     let (signal, output) = (job.signal_name, job.result.path().display().to_string());
     let n_vertices = job.input.shape.n_vertices();
     let sigma = schedule.sigma(decomposer.operator().step_length());
@@ -46,6 +46,10 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let fit = decomposer.applied_local_fit(fit);
         describe_local_fit(&mut text, fit);
         report["local_fit"] = json!(fit);
+    }
+    if let Some(quantity) = quantity {
+        quantity.describe(&mut text);
+        quantity.add_to(&mut report);
     }
     if let Some((time, gains)) = &job.time {
         time.describe(&mut text, Some(gains));

@@ -1,0 +1,24 @@
+//! What the numbers of a signal are.
+
+use super::parse_named;
+use adwave::directions::{Symmetry, TensorOrder};
+use clap::Args;
+
+/// What the numbers of a signal are: each by itself, or directions or tensors in tangent planes.
+#[derive(Clone, Copy, Debug, Default, Args)]
+#[command(next_help_heading = "Signal")]
+pub(crate) struct QuantityArgs {
+    /// Take the three components as directions in the tangent planes of the surface, which turn on their way
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Symmetry>(), conflicts_with = "tensors")]
+    pub(crate) directions: Option<Symmetry>,
+    /// Take the six components as symmetric tensors: in a volume by their logarithms, on a surface in its tangent planes
+    #[arg(long, value_name = "ORDER", value_parser = parse_named::<TensorOrder>())]
+    pub(crate) tensors: Option<TensorOrder>,
+}
+
+impl QuantityArgs {
+    /// True if each number is filtered by itself.
+    pub(crate) fn are_numbers(self) -> bool {
+        self.directions.is_none() && self.tensors.is_none()
+    }
+}
