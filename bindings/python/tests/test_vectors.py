@@ -42,8 +42,8 @@ def test_rotation_of_a_sphere_decays_as_its_eigenvalue(ball: aw.Shape) -> None:
 
 def test_a_plane_is_smoothed_as_two_scalars() -> None:
     plane = aw.sample("plane", vertices=900)
-    flat = aw.Shape(plane.points * [1, 1, 0], plane.faces)
-    v = RANDOM.normal(size=(flat.n_vertices, 3)) * [1, 1, 0]
+    flat = aw.Shape(plane.points * [1, 0, 1], plane.faces)
+    v = RANDOM.normal(size=(flat.n_vertices, 3)) * [1, 0, 1]
     smooth = aw.vectors(flat, v).smooth(fwhm="10%").values
     np.testing.assert_allclose(smooth, aw.smooth(flat, v, fwhm="10%", operator="surface"), atol=1e-9)
 

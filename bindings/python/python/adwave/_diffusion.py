@@ -232,8 +232,8 @@ class PreparedShape(Carrier):
         other = type(self).__new__(type(self))
         other.shape, other._options, other._mask, other._given_walk = self.shape, self._options, None, given
         other._by_width = other._last_masked = None
-        prepare = getattr(type(given), "prepare", None)
-        other._data = self._data.with_walk(given._data) if prepare is None else prepare(given, self._data)
+        replace = getattr(type(given), "replace_operator", None)
+        other._data = self._data.with_walk(given._data) if replace is None else replace(given, self._data)
         return other if self._mask is None else other.with_mask(self._mask)
 
     def schedule(self, levels: LevelsLike = None, *, extent: float | None = None) -> list[float]:

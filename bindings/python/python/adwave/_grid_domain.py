@@ -117,7 +117,11 @@ class GridDecomposer(Decomposer):
         return self._with_data(self._data.with_mask(flags), flags, self._given_walk)
 
     def _with_given(self, given: Any) -> GridDecomposer:
-        data = given.prepare(self._data) if isinstance(given, GivenOperator) else self._data.with_walk(given._data)
+        data = (
+            given.replace_operator(self._data)
+            if isinstance(given, GivenOperator)
+            else self._data.with_walk(given._data)
+        )
         other = self._with_data(data, None, given)
         return other if self._mask is None else other.with_mask(self._mask)
 

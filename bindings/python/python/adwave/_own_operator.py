@@ -43,7 +43,7 @@ class GivenOperator:
     weights: ArrayLike | None
     masked: Callable[[NDArray[np.bool_]], LaplacianLike] | None
 
-    def prepare(self, data: Prepared) -> Prepared:
+    def replace_operator(self, data: Prepared) -> Prepared:
         """The prepared shape with this operator.
 
         Raises
