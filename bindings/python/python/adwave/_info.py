@@ -176,9 +176,9 @@ def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[
         Anything that is a shape; see `Shape`.
     name : str
         ``'coords'``, ``'x'``, ``'y'``, ``'z'``, ``'normals'``, ``'mean-curvature'``, ``'gaussian-curvature'``,
-        ``'shape-index'``, ``'density'`` (of a cloud), ``'degree'`` (of a graph), ``'luminance'``, ``'lightness'``,
-        ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat,
-        .csv or .gii.
+        ``'shape-index'``, ``'principal-direction'`` (times κ₁ − κ₂; a line for `vectors`), ``'density'`` (of a cloud),
+        ``'degree'`` (of a graph), ``'luminance'``, ``'lightness'``, ``'texture'``, ``'texture-luminance'``,
+        ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat, .csv or .gii.
     texture : path_like, optional
         Picture of the texture, instead of the one that the materials name.
 

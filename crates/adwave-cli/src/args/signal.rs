@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Names of signals, for help.
 macro_rules! signal_names {
     () => {
-        "coords, x, y, z (such as heights), normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a \
+        "coords, x, y, z (such as heights), normals, mean-curvature, gaussian-curvature, shape-index, principal-direction, density, degree (of a \
          graph), luminance, lightness, texture, texture-luminance, texture-lightness, a field of the file, or the values of another \
          file: FILE.npy, FILE.dmat, FILE.csv, FILE.csv:COLUMN, FILE.gii, FILE.gii:NAME, FILE.nii (CIFTI), FILE.mgh, \
          lh.thickness (FreeSurfer curv, annot, label)"

@@ -160,6 +160,12 @@ impl<'a> Carried<'a> {
             }
             WayBack::Logarithms { order, given, n_not_positive } => {
                 let mut tensors = exp_tensors(&first, progress)?;
+                if tensors.iter().any(|value| value.is_infinite()) {
+                    return Err(CliError::Input(
+                        "the gains make the logarithm of a tensor too large for a number; choose smaller gains"
+                            .to_owned(),
+                    ));
+                }
                 for (new, old) in tensors.iter_mut().zip(given) {
                     if new.is_nan() {
                         *new = *old;

@@ -16,6 +16,20 @@ fn header(path: &Path) -> (u32, u32, u8) {
 }
 
 #[test]
+fn vectors_are_drawn_where_there_are_any() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let line = "render sample:sphere --vertices 2000 -o a.png --size 200x150 --glyphs coords";
+    let n_glyphs = json(path, line)["glyphs"].as_u64().unwrap();
+    assert!((200..2000).contains(&n_glyphs), "{n_glyphs}");
+    assert_eq!(json(path, &line.replace(" --glyphs coords", ""))["glyphs"], 0);
+    let said = refused(path, &line.replace("coords", "x"));
+    assert!(said.contains("vectors of three components, and x has 1 number"), "{said}");
+    adwave(path).args(words("sample hills --vertices 400 -o dem.tif")).assert().success();
+    assert!(refused(path, "render dem.tif -o b.png --glyphs values").contains("meshes and point clouds"));
+}
+
+#[test]
 fn pictures_have_the_size_and_ground_that_was_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -302,6 +302,8 @@ const CASES: &[OptionCase] = &[
     with(case("render", "--range", "0,0.3"), "--color x"),
     with(case("render", "--no-bar", ""), "--color x"),
     case("render", "--features", "balls.csv"),
+    case("render", "--glyphs", "coords"),
+    with(case("render", "--glyph-kind", "crosses"), "--glyphs coords"),
     case("render", "--zoom", "2"),
     case("render", "--frame", "all"),
     case("render", "--focus", "vertex=5"),

@@ -25,7 +25,7 @@ pub use singularities::Singularity;
 pub use tensors::{TensorLogarithms, TensorOrder, exp_tensors, log_tensors};
 
 use crate::bands::BandsError;
-use crate::laplacian::{EdgesForTurns, MeshDirections, Turn, turn_between};
+use crate::laplacian::{EdgesForTurns, MeshDirections, TangentTurn, turn_between};
 use crate::operator::{NoRows, OperatorKind, VectorDiffusion};
 use crate::vector::dot;
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, named_values, parallel};
@@ -216,7 +216,7 @@ impl Directions {
         let is_sheet = by_edges.is_some();
         let entries =
             (0..pattern.n_rows()).flat_map(|x| pattern.row(x).iter().map(move |&y| (x, y as usize)));
-        let turns: Vec<Turn> = match by_edges {
+        let turns: Vec<TangentTurn> = match by_edges {
             Some(turns) => turns,
             None => entries.clone().map(|(x, y)| across(x, y)).collect(),
         };
@@ -265,9 +265,11 @@ impl Directions {
         let parts = parallel::collect(n, |v| self.plane(v).coordinates(&vectors[v]));
         let channels = parts.iter().flat_map(|&[a, b, _]| power(a, b, order)).collect();
         let normal: Vec<f64> = parts.iter().map(|p| p[2]).collect();
-        let sum = |of: &dyn Fn(usize) -> f64| (0..n).map(of).filter(|v| !v.is_nan()).sum::<f64>();
-        let (along, all) = (sum(&|v| normal[v] * normal[v]), sum(&|v| dot(&vectors[v], &vectors[v])));
-        Ok(SplitVectors { channels, normal, normal_share: share(along, all) })
+        let unit = largest(vectors.as_flattened());
+        let square =
+            |values: &[f64]| values.iter().map(|v| (v / unit).powi(2)).filter(|s| s.is_finite()).sum();
+        let normal_share = share(square(&normal), square(vectors.as_flattened()));
+        Ok(SplitVectors { channels, normal, normal_share })
     }
 
     /// Vectors in space, n_vertices × 3, of complex numbers in the tangent planes (n_vertices × 2): of a line or a cross
@@ -301,6 +303,7 @@ impl Directions {
     /// [`DirectionsError::Length`] unless there are six values for each vertex and the directions are lines.
     pub fn split_tensors(&self, tensors: &[f64]) -> Result<SplitTensors, DirectionsError> {
         let n = self.check("symmetric tensors", tensors.len(), 6)?;
+        let unit = largest(tensors);
         let tensors: &[[f64; 6]] = tensors.as_chunks().0;
         let parts = parallel::collect(n, |v| {
             let [xx, xy, xz, yy, yz, zz] = tensors[v];
@@ -310,11 +313,11 @@ impl Directions {
             let (first, second) = (apply(&plane.first), apply(&plane.second));
             let (a, b, c) =
                 (dot(&plane.first, &first), dot(&plane.first, &second), dot(&plane.second, &second));
-            let inside = a * a + 2.0 * b * b + c * c;
-            let all = rows.as_flattened().iter().map(|t| t * t).sum::<f64>();
+            let square = |values: &[f64]| values.iter().map(|t| (t / unit).powi(2)).sum::<f64>();
+            let (inside, all) = (square(&[a, b, b, c]), square(rows.as_flattened()));
             [a + c, 0.5 * (a - c), b, inside, all]
         });
-        let sum = |k: usize| parts.iter().map(|p| p[k]).filter(|v| !v.is_nan()).sum::<f64>();
+        let sum = |k: usize| parts.iter().map(|p| p[k]).filter(|v| v.is_finite()).sum::<f64>();
         let (inside, all) = (sum(3), sum(4));
         Ok(SplitTensors {
             trace: parts.iter().map(|p| p[0]).collect(),
@@ -361,6 +364,13 @@ fn power(a: f64, b: f64, order: u32) -> [f64; 2] {
     z.map(|c| length * c)
 }
 
+/// Largest finite absolute value, or 1 if none is above 0: a unit whose squares neither overflow nor underflow.
+fn largest(values: &[f64]) -> f64 {
+    let largest = values.iter().map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// Share of a part, at most 1.
 fn share(part: f64, all: f64) -> f64 {
-    if all > 0.0 { part / all } else { 0.0 }
+    if all > 0.0 { (part / all).min(1.0) } else { 0.0 }
 }

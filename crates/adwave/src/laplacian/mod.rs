@@ -22,7 +22,7 @@ use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next, previous};
 pub use turning::TangentPlane;
-pub(crate) use turning::{Turn, turn_between};
+pub(crate) use turning::{TangentTurn, turn_between};
 
 /// Largest weight that counts as rounding, relative to cotangents of about 1: the diagonal of a rectangle has
 /// weight 0.
@@ -252,7 +252,7 @@ pub(crate) struct TriangleTurns {
     /// Angle by which the triangle turns whatever is carried around it.
     pub(crate) curvature: f64,
     /// Turns from its corners 1, 2 and 0 to its corners 0, 1 and 2.
-    pub(crate) turns: [Turn; 3],
+    pub(crate) turns: [TangentTurn; 3],
 }
 
 /// Directions on a triangle mesh.
@@ -286,9 +286,9 @@ impl MeshDirections<'_> {
         &self,
         edges: EdgesForTurns,
         pattern: &Pattern,
-        across: impl Fn(usize, usize) -> Turn + Sync + Send,
+        across: impl Fn(usize, usize) -> TangentTurn + Sync + Send,
         progress: Progress<'_>,
-    ) -> Result<Option<Vec<Turn>>, Cancelled> {
+    ) -> Result<Option<Vec<TangentTurn>>, Cancelled> {
         let Some((mut surface, mut at_vertex)) = self.sheet(progress)? else { return Ok(None) };
         if edges == EdgesForTurns::Delaunay {
             surface.flip_to_delaunay(progress)?;

@@ -19,7 +19,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 11;
 const ROUNDING: f64 = 1e-12;
 
 /// A turn as a complex number `e^{iρ}`, or a mean of several, of absolute value at most 1.
-pub(crate) type Turn = [f64; 2];
+pub(crate) type TangentTurn = [f64; 2];
 
 /// Plane that touches the surface at a vertex: two orthogonal unit vectors in it, and its unit normal, so that the three
 /// are right-handed.
@@ -62,7 +62,7 @@ impl TangentPlane {
 }
 
 /// The turn `e^{isρ}` of an angle ρ.
-fn turn(angle: f64, symmetry: u32) -> Turn {
+fn turn(angle: f64, symmetry: u32) -> TangentTurn {
     let angle = (angle + PI).rem_euclid(TAU) - PI;
     if angle.abs() <= ROUNDING {
         return [1.0, 0.0]; // parallel planes: constants stay to the last bit
@@ -73,7 +73,7 @@ fn turn(angle: f64, symmetry: u32) -> Turn {
 
 /// The turn from the plane `there` to the plane `here` by the smallest rotation that joins their normals. `None` where
 /// one of them has no normal.
-pub(crate) fn turn_between(here: &TangentPlane, there: &TangentPlane, symmetry: u32) -> Option<Turn> {
+pub(crate) fn turn_between(here: &TangentPlane, there: &TangentPlane, symmetry: u32) -> Option<TangentTurn> {
     let (to, from) = (&here.normal, &there.normal);
     let along = 1.0 + dot(to, from);
     if dot(to, to) == 0.0 || dot(from, from) == 0.0 || along < 1e-6 {
@@ -235,16 +235,16 @@ impl Triangulation {
         at_vertex: &Pattern,
         symmetry: u32,
         pattern: &Pattern,
-        across: impl Fn(usize, usize) -> Turn + Sync + Send,
+        across: impl Fn(usize, usize) -> TangentTurn + Sync + Send,
         progress: Progress<'_>,
-    ) -> Result<Vec<Turn>, Cancelled> {
+    ) -> Result<Vec<TangentTurn>, Cancelled> {
         let angles = self.angles.as_ref().expect("the sheet has angles");
         let chunks = parallel::try_map_chunks(
             pattern.n_rows(),
             VERTICES_AT_A_TIME,
             progress,
             Vec::new,
-            |edges: &mut Vec<(u32, f64, Turn)>, range: Range<usize>| {
+            |edges: &mut Vec<(u32, f64, TangentTurn)>, range: Range<usize>| {
                 let mut turns = Vec::with_capacity(7 * range.len());
                 for x in range {
                     self.edges_of(x, at_vertex.row(x), angles, symmetry, edges);
@@ -275,7 +275,7 @@ impl Triangulation {
         around: &[u32],
         angles: &SideAngles,
         symmetry: u32,
-        edges: &mut Vec<(u32, f64, Turn)>,
+        edges: &mut Vec<(u32, f64, TangentTurn)>,
     ) {
         edges.clear();
         if !angles.is_regular[x] {
@@ -309,7 +309,7 @@ impl Triangulation {
 
     /// Curvature of triangle `t`, the sum of its scaled angles less π, and the turns from its corners 1, 2 and 0 to its
     /// corners 0, 1 and 2. `None` at a vertex whose triangles are no fan.
-    pub(super) fn triangle_turns(&self, t: usize, symmetry: u32) -> Option<(f64, [Turn; 3])> {
+    pub(super) fn triangle_turns(&self, t: usize, symmetry: u32) -> Option<(f64, [TangentTurn; 3])> {
         let angles = self.angles.as_ref().expect("the sheet has angles");
         let corners = [0, 1, 2].map(|k| self.corner[3 * t + k] as usize);
         if corners.iter().any(|&x| !angles.is_regular[x]) {

@@ -1,7 +1,7 @@
 //! Diffusion of directions: one step moves a vector along the entries of a scalar operator and turns it on its way.
 
 use super::{Diffusion, DiffusionError, Invariant, Operator, RowWeights, Semigroup};
-use crate::laplacian::Turn;
+use crate::laplacian::TangentTurn;
 use crate::parallel;
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const ROWS_AT_A_TIME: usize = 2048;
 pub(crate) struct VectorDiffusion {
     scalars: Arc<Diffusion>,
     /// R_xy of each entry.
-    turns: Vec<Turn>,
+    turns: Vec<TangentTurn>,
     /// −1 where an entry mirrors the second coordinate, else 1; empty if none does.
     mirrors: Vec<f64>,
 }
@@ -28,7 +28,7 @@ pub(crate) struct VectorDiffusion {
 impl VectorDiffusion {
     /// Joins the operator of scalars with a turn for each of its entries, and with the signs of the entries' second
     /// coordinates, if any entry mirrors.
-    pub(crate) fn new(scalars: Arc<Diffusion>, turns: Vec<Turn>, mirrors: Vec<f64>) -> Self {
+    pub(crate) fn new(scalars: Arc<Diffusion>, turns: Vec<TangentTurn>, mirrors: Vec<f64>) -> Self {
         assert_eq!(turns.len(), scalars.weights().len(), "a turn for each entry");
         assert!(mirrors.is_empty() || mirrors.len() == turns.len(), "a sign for each entry or none");
         Self { scalars, turns, mirrors }
@@ -42,7 +42,7 @@ impl VectorDiffusion {
         let turns = &self.turns[range.clone()];
         let here: &[[f64; 2]] = x[row * stride..][..2 * N].as_chunks().0;
         let mut sum = [[0.0; 2]; N];
-        let mut add = |w: f64, [c, s]: Turn, column: u32, mirror: f64| {
+        let mut add = |w: f64, [c, s]: TangentTurn, column: u32, mirror: f64| {
             let there: &[[f64; 2]] = x[column as usize * stride..][..2 * N].as_chunks().0;
             for k in 0..N {
                 let [u, v] = [there[k][0], mirror * there[k][1]];

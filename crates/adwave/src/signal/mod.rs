@@ -12,6 +12,7 @@ mod luminance;
 mod mesh_curvature;
 mod moved_normals;
 mod outward;
+mod principal;
 mod quadric;
 
 pub use crate::shape::orientation::{PointWithNormal, SideStep, side_step};
@@ -28,6 +29,7 @@ pub use moved_normals::{
     MovedPoints, StoredNormals, moved_cloud_normals, moved_corner_normals, moved_tangent,
 };
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
+use principal::principal_directions;
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;
 pub(crate) use quadric::{TangentFrame, fit_quadric};
@@ -59,14 +61,23 @@ pub enum SurfaceSignal {
     GaussianCurvature,
     /// Shape index in [−1, 1]: 1 on a bump, 0 on a saddle or a plane, −1 in a pit.
     ShapeIndex,
+    /// Direction of the larger principal curvature times the difference of both, in 1/model unit: three channels of a
+    /// line, of which v and −v mean the same.
+    PrincipalDirection,
     /// Points per squared model unit; clouds only.
     Density,
 }
 
 impl SurfaceSignal {
     /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Normals, Self::MeanCurvature, Self::GaussianCurvature, Self::ShapeIndex, Self::Density];
+    pub const ALL: [Self; 6] = [
+        Self::Normals,
+        Self::MeanCurvature,
+        Self::GaussianCurvature,
+        Self::ShapeIndex,
+        Self::PrincipalDirection,
+        Self::Density,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -75,6 +86,7 @@ impl SurfaceSignal {
             Self::MeanCurvature => "mean-curvature",
             Self::GaussianCurvature => "gaussian-curvature",
             Self::ShapeIndex => "shape-index",
+            Self::PrincipalDirection => "principal-direction",
             Self::Density => "density",
         }
     }
@@ -83,7 +95,7 @@ impl SurfaceSignal {
     pub fn unit(self) -> Option<&'static str> {
         match self {
             Self::Normals | Self::ShapeIndex => None,
-            Self::MeanCurvature => Some("1/model unit"),
+            Self::MeanCurvature | Self::PrincipalDirection => Some("1/model unit"),
             Self::GaussianCurvature => Some("1/model unit²"),
             Self::Density => Some("points/model unit²"),
         }
@@ -96,7 +108,7 @@ impl SurfaceSignal {
 
     /// Number of values per vertex.
     pub fn n_channels(self) -> usize {
-        if self == Self::Normals { 3 } else { 1 }
+        if matches!(self, Self::Normals | Self::PrincipalDirection) { 3 } else { 1 }
     }
 }
 
@@ -199,6 +211,15 @@ pub fn surface_signal(
         SurfaceSignal::Normals => normals()?.into_flattened(),
         SurfaceSignal::MeanCurvature => in_model_units(curvature()?.mean, |h, unit| h / unit)?,
         SurfaceSignal::GaussianCurvature => in_model_units(curvature()?.gaussian, |k, unit| k / unit / unit)?,
+        SurfaceSignal::PrincipalDirection => {
+            let neighbors = if is_mesh {
+                geometry.incidence(progress)?.ring(progress)?
+            } else {
+                geometry.nearest(&points, FIT_NEIGHBORS, progress)?.adjacency
+            };
+            let found = principal_directions(&points, &normals()?, &neighbors, progress)?;
+            in_model_units(found.into_flattened(), |v, unit| v / unit)?
+        }
         SurfaceSignal::ShapeIndex => curvature()?.shape_index(FLAT * (unit / geometry.size_unit())),
         SurfaceSignal::Density => {
             let near = geometry.nearest(&points, DENSITY_NEIGHBORS, progress)?;

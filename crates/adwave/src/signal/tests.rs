@@ -183,3 +183,37 @@ fn degenerate_shapes_give_finite_signals_and_graphs_an_error() {
         assert!(error.to_string().contains("cloud"));
     }
 }
+
+#[test]
+fn a_torus_curves_most_around_its_tube() {
+    let torus = Sample::from_name("torus", Some(6000)).unwrap();
+    let ring = |p: &[f64; 3]| p[0].hypot(p[1]);
+    let (outer, inner) = torus
+        .points
+        .iter()
+        .map(ring)
+        .fold((0.0_f64, f64::INFINITY), |(most, least), r| (most.max(r), least.min(r)));
+    let (big, small) = (0.5 * (outer + inner), 0.5 * (outer - inner));
+    let shapes = [
+        mesh(torus.points.clone(), torus.faces.clone()),
+        Shape::Cloud(PointCloud::new(torus.points.clone()).unwrap()),
+    ];
+    for shape in shapes {
+        let lines = signal(&shape, SurfaceSignal::PrincipalDirection);
+        let lines: &[[f64; 3]] = lines.as_chunks().0;
+        let lengths: Vec<f64> = lines.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).collect();
+        let off = median_error(&lengths, |x| big / (small * ring(&torus.points[x])));
+        assert!(off < 0.03 / small, "{off}");
+        // Orthogonal to the direction around the axis.
+        let along = |x: usize| {
+            let (p, v) = (torus.points[x], lines[x]);
+            (v[1] * p[0] - v[0] * p[1]) / (ring(&p) * lengths[x])
+        };
+        let along: Vec<f64> = (0..lines.len()).map(along).collect();
+        assert!(median_error(&along, |_| 0.0) < 0.02);
+    }
+    let sphere = Sample::from_name("sphere", Some(2000)).unwrap();
+    let sphere = mesh(sphere.points, sphere.faces);
+    let lines = signal(&sphere, SurfaceSignal::PrincipalDirection);
+    assert!(lines.iter().all(|v| v.abs() < 0.2), "a sphere curves alike in all directions");
+}

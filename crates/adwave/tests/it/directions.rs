@@ -305,6 +305,13 @@ fn what_has_no_tangent_plane_is_refused() {
     let directions = directions(&shape, Symmetry::Vectors);
     let message = directions.split(&[0.0; 10]).unwrap_err().to_string();
     assert_eq!(message, "vectors need 300 values, 3 for each of 100 vertices, got 10");
+    // The share along the normals neither overflows nor underflows.
+    for size in [1e-200, 1.0, 1e200] {
+        let radial: Vec<f64> =
+            shape.points().unwrap().iter().flat_map(|p| [size * p[0], size * p[1], 0.0]).collect();
+        let split = directions.split(&radial).unwrap();
+        assert!((0.5..0.95).contains(&split.normal_share), "{size}: {}", split.normal_share);
+    }
     // Zero vectors have no direction, and no singularity.
     let zeros = vec![0.0; 200];
     assert_eq!(directions.join(&zeros).unwrap(), vec![0.0; 300]);

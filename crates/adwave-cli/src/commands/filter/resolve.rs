@@ -123,18 +123,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
         None
     };
-    if !args.quantity.are_numbers() {
-        let applies = "applies to numbers, and the signal holds directions or tensors";
-        let options =
-            ["--as-labels", "--local-fit", "--time-fwhm", "--time-lengths", "--recipe", "--save-recipe"];
-        global.given.refuse(&options, applies)?;
-    }
-    let time = TimeBands::resolve(&args.time, &signal_name, &mut signal, global)?;
-    let time = time.map(|time| {
-        let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
-        time.check_gains(&gains).map(|()| (time, gains))
-    });
-    let time = time.transpose()?;
+    let time = time_bands(args, &signal_name, &mut signal, global)?;
     if signal_name != COORDS {
         let applies = format!("applies to coordinates, and the signal is {signal_name}");
         global.given.refuse(&["--along", "--border", "--keep-volume", "--keep-normals"], &applies)?;
@@ -172,6 +161,25 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         has_recipe: recipe.is_some() || save_recipe.is_some(),
         save_recipe,
     })
+}
+
+/// Bands along time and their gains, of a signal of numbers.
+fn time_bands(
+    args: &FilterArgs,
+    signal_name: &str,
+    signal: &mut Signal,
+    global: &Global<'_>,
+) -> Result<Option<(TimeBands, Vec<f64>)>, CliError> {
+    if !args.quantity.are_numbers() {
+        let applies = "applies to numbers, and the signal holds directions or tensors";
+        let options =
+            ["--as-labels", "--local-fit", "--time-fwhm", "--time-lengths", "--recipe", "--save-recipe"];
+        global.given.refuse(&options, applies)?;
+    }
+    let Some(time) = TimeBands::resolve(&args.time, signal_name, signal, global)? else { return Ok(None) };
+    let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
+    time.check_gains(&gains)?;
+    Ok(Some((time, gains)))
 }
 
 /// The operator, without welding if a field jumps between the sides of seams, because their mean would belong to

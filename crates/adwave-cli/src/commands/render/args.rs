@@ -4,6 +4,7 @@ use super::framing::FramingArgs;
 use crate::args::{
     CloudPartArgs, SelectionArgs, count, file_name, number, parse_named, region, signal_names,
 };
+use adwave::directions::Symmetry;
 use adwave::region::Region;
 use adwave_io::ShapeKind;
 use adwave_render::{RenderParams, Up, View};
@@ -28,6 +29,7 @@ Examples:
   adwave saliency bunny.obj -o map.ply && \\
     adwave render map.ply -o map.png --color saliency --color-map turbo
   adwave render scan.las -o plan.png --view top --orthographic
+  adwave render flow.ply -o wind.png --glyphs wind
   adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
   adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
   adwave render scan.las -o ground.png --only classification=2
@@ -77,6 +79,12 @@ pub(crate) struct RenderArgs {
     /// Show the features in a .csv or .json of 'adwave features', as balls of their size
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     pub(crate) features: Option<PathBuf>,
+    /// Draw the vectors of this signal as cones along them, at vertices about equally far from each other
+    #[arg(long, value_name = "FIELD", help_heading = "Features")]
+    pub(crate) glyphs: Option<String>,
+    /// Draw cones (vectors), lines or crosses
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Symmetry>(), requires = "glyphs", help_heading = "Features")]
+    pub(crate) glyph_kind: Option<Symmetry>,
     /// View: front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
     #[arg(
         long,

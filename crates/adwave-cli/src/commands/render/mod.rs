@@ -3,6 +3,7 @@
 mod args;
 mod balls;
 mod framing;
+mod glyphs;
 
 use super::flat_grid::{FlatGrid, MOST_PLACES, ball_on_sheet};
 use crate::error::CliError;
@@ -27,6 +28,7 @@ use adwave_render::{
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
 use balls::read_balls;
+use glyphs::{Glyphs, draw_glyphs};
 use serde_json::json;
 use std::time::Instant;
 
@@ -77,6 +79,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
             "colors": s.looks.iter().map(Look::label).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "features": balls.len(),
+        "glyphs": shapes.iter().map(|s| s.glyphs.count).sum::<usize>(),
         "up": up.to_json(),
         "frame": params.frame.name(),
         "vertices_outside": n_outside,
@@ -176,6 +179,7 @@ struct ShownShape {
     /// An image, or the slices of a volume.
     sheet: Option<FlatGrid>,
     looks: Vec<Look>,
+    glyphs: Glyphs,
 }
 
 impl ShownShape {
@@ -262,7 +266,11 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     } else {
         args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
     };
-    Ok(ShownShape { input, triangles, tubes, sheet: None, looks })
+    let glyphs = match &args.glyphs {
+        Some(name) => draw_glyphs(&input, name, args.glyph_kind.unwrap_or_default(), global)?,
+        None => Glyphs::default(),
+    };
+    Ok(ShownShape { input, triangles, tubes, sheet: None, looks, glyphs })
 }
 
 /// An image or the slices of a volume with their colors: by default those of the file, else gray.
@@ -303,7 +311,10 @@ fn load_sheet(
             global.given.refuse(&["--view", "--up", "--orthographic", "--crease"], applies)?;
         }
     }
-    Ok(ShownShape { input, triangles: Vec::new(), tubes: None, sheet: Some(sheet), looks })
+    let applies = "applies to meshes and point clouds, and an image or a volume is none";
+    global.given.refuse(&["--glyphs"], applies)?;
+    let (triangles, tubes, glyphs) = (Vec::new(), None, Glyphs::default());
+    Ok(ShownShape { input, triangles, tubes, sheet: Some(sheet), looks, glyphs })
 }
 
 /// Balls at the places where images show them.
@@ -430,13 +441,13 @@ fn draw(
             let (points, triangles) = shape.surface();
             Panel {
                 surface: Surface { points, triangles, paint },
-                balls: balls.to_vec(),
+                balls: [balls, &shape.glyphs.balls].concat(),
                 caption: caption(args, &shape.input.name, look.label()),
             }
         })
         .collect();
     if args.grid.is_none() {
-        return Ok(render(&panels[0].surface, balls, params, progress)?);
+        return Ok(render(&panels[0].surface, &panels[0].balls, params, progress)?);
     }
     let camera = if args.own_scale { SharedCamera::Own } else { SharedCamera::Same };
     Ok(grid(&panels, args.columns(panels.len()), camera, params, progress)?)
