@@ -274,7 +274,7 @@ pub(crate) fn build_operator(
     Decomposer::with_params(shape, params, progress).map_err(|_| CliError::Cancelled)
 }
 
-/// Masks the vertices where the signal is NaN, with a note.
+/// Masks the vertices where the signal is NaN, with a note unless these are known.
 pub(crate) fn mask_missing(
     decomposer: Decomposer,
     signal: &Signal,
@@ -283,6 +283,9 @@ pub(crate) fn mask_missing(
 ) -> Result<Decomposer, CliError> {
     let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(decomposer) };
     let masked = decomposer.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    if decomposer.mask_flags().is_some() {
+        return Ok(masked);
+    }
     // Reading has told of the places of an image or a volume that have no data.
     let outsiders = decomposer.domain().outsiders().unwrap_or_default();
     let is_known = |x: usize| outsiders.get(x).copied().unwrap_or(false);

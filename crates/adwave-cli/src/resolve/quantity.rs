@@ -7,6 +7,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{count, note, number};
 use adwave::directions::{Directions, Symmetry, TensorOrder, exp_tensors, log_tensors};
+use adwave::mask::missing;
 use adwave::{Decomposer, Progress};
 use adwave_io::SignalValues;
 use serde_json::{Value, json};
@@ -132,8 +133,13 @@ impl<'a> Carried<'a> {
                 order.name()
             )));
         }
+        // Masked here, since the note above has said so.
+        let masked = match missing(&found.logarithms, 6) {
+            Some(flags) => decomposer.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?,
+            None => decomposer.clone(),
+        };
         Ok(Self {
-            signals: vec![carry(decomposer, 6, found.logarithms)],
+            signals: vec![carry(&masked, 6, found.logarithms)],
             back: WayBack::Logarithms { order, given: tensors, n_not_positive: found.n_not_positive },
         })
     }

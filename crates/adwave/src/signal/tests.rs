@@ -212,8 +212,8 @@ fn a_torus_curves_most_around_its_tube() {
         let along: Vec<f64> = (0..lines.len()).map(along).collect();
         assert!(median_error(&along, |_| 0.0) < 0.02);
     }
+    // A sphere curves alike in all directions; what is left is the error of normals on uneven triangles.
     let sphere = Sample::from_name("sphere", Some(2000)).unwrap();
-    let sphere = mesh(sphere.points, sphere.faces);
-    let lines = signal(&sphere, SurfaceSignal::PrincipalDirection);
-    assert!(lines.iter().all(|v| v.abs() < 0.2), "a sphere curves alike in all directions");
+    let lines = signal(&mesh(sphere.points, sphere.faces), SurfaceSignal::PrincipalDirection);
+    assert!(median_error(&lines, |_| 0.0) < 0.03 && lines.iter().all(|v| v.abs() < 0.4));
 }

@@ -23,7 +23,11 @@ const DISTANCE: f64 = 0.035;
 const LONGEST: f64 = 0.98;
 
 /// Balls of one line, whose distances are smaller than their radii.
-const BALLS_PER_LINE: usize = 16;
+const BALLS_PER_LINE: usize = 40;
+
+/// Radii relative to the distance of glyphs: of a line, and of a cone at both of its ends.
+const LINE_RADIUS: f64 = 0.05;
+const CONE_RADII: [f64; 2] = [0.13, 0.03];
 
 /// Glyphs on a shape.
 #[derive(Default)]
@@ -69,14 +73,16 @@ pub(super) fn draw_glyphs(
     let mut balls = Vec::with_capacity(2 * BALLS_PER_LINE * n_chosen);
     for v in chosen {
         let length = norm(&vectors[v]);
-        let reach = distance * (length / longest).min(1.0) / length;
-        let along = vectors[v].map(|c| reach * c);
+        let share = (length / longest).min(1.0);
+        let along = vectors[v].map(|c| distance * share / length * c);
+        // Thinner where it is shorter, so that a short one still points somewhere.
+        let width = distance * (0.4 + 0.6 * share);
         let line = |direction: &Vector, balls: &mut Vec<Ball>| {
             let start = add_scaled(&points[v], -0.5, direction);
-            add_line(&start, direction, 0.05 * distance, 0.05 * distance, balls);
+            add_line(&start, direction, [LINE_RADIUS * width; 2], balls);
         };
         match symmetry {
-            Symmetry::Vectors => add_line(&points[v], &along, 0.12 * distance, 0.015 * distance, &mut balls),
+            Symmetry::Vectors => add_line(&points[v], &along, CONE_RADII.map(|r| r * width), &mut balls),
             Symmetry::Lines => line(&along, &mut balls),
             Symmetry::Crosses => {
                 let normal = directions.plane(v).normal;
@@ -108,7 +114,7 @@ fn spread_out(points: &[[f64; 3]], size: f64, vertices: impl Iterator<Item = usi
 }
 
 /// Balls from `start` along `direction`, whose radii change from the first to the last.
-fn add_line(start: &Vector, direction: &Vector, first: f64, last: f64, balls: &mut Vec<Ball>) {
+fn add_line(start: &Vector, direction: &Vector, [first, last]: [f64; 2], balls: &mut Vec<Ball>) {
     for k in 0..BALLS_PER_LINE {
         let t = k as f64 / (BALLS_PER_LINE - 1) as f64;
         let center = add_scaled(start, t, direction);
