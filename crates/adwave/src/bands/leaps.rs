@@ -41,8 +41,13 @@ impl Transform {
             Invariant::Nothing => signal.to_vec(),
         };
         let norm = |values: &[f64]| {
-            let square = |x: usize| values[x * n_channels..][..n_channels].iter().map(|v| v * v).sum::<f64>();
-            parallel::sum(n, |x| weights.weight(x, n) * square(x)).sqrt()
+            let square = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>();
+            match weights {
+                RowWeights::Uniform => (sum_of_squares(values) / n as f64).sqrt(),
+                RowWeights::Each(weights) => {
+                    parallel::sum(n, |x| weights[x] * square(&values[x * n_channels..][..n_channels])).sqrt()
+                }
+            }
         };
         let steps = schedule.steps_from_zero();
         let mut missed: Option<(usize, f64)> = None;
@@ -128,5 +133,31 @@ fn without_mean(signal: &[f64], n_channels: usize, n: usize, weights: RowWeights
     let means: Vec<f64> = (0..n_channels)
         .map(|c| parallel::sum(n, |x| weights.weight(x, n) * signal[x * n_channels + c]) / total)
         .collect();
-    parallel::collect(signal.len(), |i| signal[i] - means[i % n_channels])
+    let mut centered: Vec<f64> = zeros(signal.len());
+    parallel::visit_rows(&mut centered, n_channels, super::bands::VERTICES_AT_A_TIME, |first, rows| {
+        let given = signal[first * n_channels..].chunks_exact(n_channels);
+        for (row, given) in rows.chunks_exact_mut(n_channels).zip(given) {
+            for ((centered, value), mean) in row.iter_mut().zip(given).zip(&means) {
+                *centered = value - mean;
+            }
+        }
+    });
+    centered
+}
+
+/// Sum of squares, of several values at once.
+fn sum_of_squares(values: &[f64]) -> f64 {
+    const TOGETHER: usize = 8;
+    const AT_A_TIME: usize = 1 << 13;
+    let chunk = |range: std::ops::Range<usize>| {
+        let (whole, rest) = values[range].as_chunks::<TOGETHER>();
+        let mut sums = [0.0; TOGETHER];
+        for values in whole {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value * value;
+            }
+        }
+        sums.iter().sum::<f64>() + rest.iter().map(|v| v * v).sum::<f64>()
+    };
+    parallel::map_chunks(values.len(), AT_A_TIME, chunk).into_iter().sum()
 }

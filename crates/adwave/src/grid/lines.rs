@@ -19,6 +19,9 @@ const TOGETHER: usize = 8;
 /// Tiles of lines, or rows of the output, that a thread takes at a time.
 const AT_A_TIME: usize = 16;
 
+/// Fewest blocks of lines, one after another in memory, that are solved in place: enough for all threads.
+const FEWEST_BLOCKS: usize = 64;
+
 /// Values that a thread copies at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
 
@@ -146,47 +149,39 @@ impl<'a> Lines<'a> {
         };
         let pairs = if is_leveled { &[] } else { approximation.pairs };
         let solvers: Vec<Solver> = pairs.iter().map(|&(z, c)| Solver::new(&weights, z, c, ends)).collect();
+        let solve = TileSolve { solvers: &solvers, weights: &weights, ends, is_leveled };
+        let block = n * inner;
+        if values.len() / block >= FEWEST_BLOCKS {
+            // Lines that lie together are solved in place.
+            let n_blocks = (AT_A_TIME * TOGETHER).div_ceil(inner);
+            return parallel::try_visit_rows(values, block, n_blocks, progress, |_, rows| {
+                let (mut work, mut tile) = (Work::new(n), vec![0.0; n * TOGETHER]);
+                for line in (0..rows.len() / n).step_by(TOGETHER) {
+                    self.read_tile(rows, line, &mut tile);
+                    solve.run(&mut work, &mut tile);
+                    self.write_tile(&tile, line, rows);
+                }
+            });
+        }
         let tile_len = n * TOGETHER;
         let mut tiles = crate::pages::zeros(n_lines.div_ceil(TOGETHER) * tile_len);
         let given: &[f64] = values;
         parallel::try_visit_rows(&mut tiles, tile_len, AT_A_TIME, progress, |first, rows| {
-            let (mut work, arch) = (Work::new(n), pulp::Arch::new());
+            let mut work = Work::new(n);
             for (k, tile) in rows.chunks_exact_mut(tile_len).enumerate() {
                 self.read_tile(given, (first + k) * TOGETHER, tile);
-                if is_leveled {
-                    level(tile);
-                } else {
-                    arch.dispatch(DiffuseTile {
-                        work: &mut work,
-                        tile,
-                        solvers: &solvers,
-                        weights: &weights,
-                        ends,
-                    });
-                }
+                solve.run(&mut work, tile);
             }
         })?;
         parallel::try_visit_rows(values, 1, VALUES_AT_A_TIME, progress, |first, rows| {
             let mut done = 0;
             while done < rows.len() {
-                // Up to the end of a line, or of the lines side by side at one place.
-                let (outer, rest) = ((first + done) / (n * inner), (first + done) % (n * inner));
+                // Up to the end of the lines side by side at one place.
+                let (outer, rest) = ((first + done) / block, (first + done) % block);
                 let (at, line) = (rest / inner, outer * inner + rest % inner);
                 let (lane, from) = (line % TOGETHER, line / TOGETHER * tile_len + at * TOGETHER);
-                let n_left = rows.len() - done;
-                let n_here = if inner == 1 {
-                    let n_here = n_left.min(n - at);
-                    let places = tiles[from..].chunks_exact(TOGETHER);
-                    rows[done..done + n_here]
-                        .iter_mut()
-                        .zip(places)
-                        .for_each(|(value, place)| *value = place[lane]);
-                    n_here
-                } else {
-                    let n_here = n_left.min(TOGETHER - lane).min(inner - rest % inner);
-                    rows[done..done + n_here].copy_from_slice(&tiles[from + lane..][..n_here]);
-                    n_here
-                };
+                let n_here = (rows.len() - done).min(TOGETHER - lane).min(inner - rest % inner);
+                rows[done..done + n_here].copy_from_slice(&tiles[from + lane..][..n_here]);
                 done += n_here;
             }
         })
@@ -210,6 +205,46 @@ impl Lines<'_> {
                     tile[at * TOGETHER + lane] = values[start + at * inner];
                 }
             }
+        }
+    }
+}
+
+impl Lines<'_> {
+    /// Copies a tile, n × [`TOGETHER`], to the lines from `line` on.
+    fn write_tile(&self, tile: &[f64], line: usize, values: &mut [f64]) {
+        let Self { n, inner, .. } = *self;
+        let start = |line: usize| line / inner * inner * n + line % inner;
+        if line % inner + TOGETHER <= inner {
+            let first = start(line);
+            for (at, row) in tile.as_chunks::<TOGETHER>().0.iter().enumerate() {
+                values[first + at * inner..][..TOGETHER].copy_from_slice(row);
+            }
+        } else {
+            for lane in 0..TOGETHER.min(values.len() / n - line) {
+                let start = start(line + lane);
+                for at in 0..n {
+                    values[start + at * inner] = tile[at * TOGETHER + lane];
+                }
+            }
+        }
+    }
+}
+
+/// The solves of one tile of lines.
+struct TileSolve<'a> {
+    solvers: &'a [Solver],
+    weights: &'a [[f64; 2]],
+    ends: Ends,
+    is_leveled: bool,
+}
+
+impl TileSolve<'_> {
+    fn run(&self, work: &mut Work, tile: &mut [f64]) {
+        let &Self { solvers, weights, ends, is_leveled } = self;
+        if is_leveled {
+            level(tile);
+        } else {
+            pulp::Arch::new().dispatch(DiffuseTile { work, tile, solvers, weights, ends });
         }
     }
 }

@@ -150,6 +150,11 @@ impl VertexMap {
         Self { welded: Arc::clone(&all), last_member: all }
     }
 
+    /// True if the map was made as the identity, so that values need no new order.
+    fn is_identity(&self) -> bool {
+        Arc::ptr_eq(&self.welded, &self.last_member)
+    }
+
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
         self.welded.len()
@@ -220,6 +225,12 @@ impl VertexMap {
         if n_channels == 0 {
             return Ok(mean);
         }
+        if self.is_identity() {
+            parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+                rows.copy_from_slice(&signal[first * n_channels..][..rows.len()]);
+            })?;
+            return Ok(mean);
+        }
         let row = |x: u32| &signal[x as usize * n_channels..][..n_channels];
         if self.n_welded() == self.n_vertices() {
             parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
@@ -256,6 +267,18 @@ impl VertexMap {
     ) -> Result<Vec<T>, Cancelled> {
         let Some(&any) = values.first() else { return Ok(Vec::new()) };
         let mut scattered = vec![any; self.n_vertices() * n_channels];
+        if self.is_identity() {
+            parallel::try_visit_rows(
+                &mut scattered,
+                n_channels,
+                VERTICES_AT_A_TIME,
+                progress,
+                |first, rows| {
+                    rows.copy_from_slice(&values[first * n_channels..][..rows.len()]);
+                },
+            )?;
+            return Ok(scattered);
+        }
         parallel::try_visit_rows(&mut scattered, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
             for (row, &class) in rows.chunks_exact_mut(n_channels).zip(&self.welded[first..]) {
                 row.copy_from_slice(&values[class as usize * n_channels..][..n_channels]);
