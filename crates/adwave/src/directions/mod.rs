@@ -191,9 +191,10 @@ impl Directions {
         let scalars = decomposer.rows("a diffusion of directions")?;
         let planes = tangent_planes(geometry, decomposer.operator_params().neighbors, progress)?;
         let order = symmetry.order();
-        let across = |x: usize, y: usize| {
+        // A sheet has one orientation, so that nothing is mirrored on it, however sharp it bends.
+        let smallest_turn = |x: usize, y: usize, may_mirror: bool| {
             let (here, mut there) = (planes[x], planes[y]);
-            if is_mirrored(&here, &there) {
+            if may_mirror && is_mirrored(&here, &there) {
                 there.second = there.second.map(|c| -c);
                 there.normal = there.normal.map(|c| -c);
             }
@@ -209,7 +210,7 @@ impl Directions {
                 OperatorKind::Surface => EdgesForTurns::Delaunay,
                 OperatorKind::Walk => EdgesForTurns::Mesh,
             };
-            mesh.turns(edges, pattern, across, progress)?
+            mesh.turns(edges, pattern, |x, y| smallest_turn(x, y, false), progress)?
         } else {
             None
         };
@@ -218,7 +219,7 @@ impl Directions {
             (0..pattern.n_rows()).flat_map(|x| pattern.row(x).iter().map(move |&y| (x, y as usize)));
         let turns: Vec<TangentTurn> = match by_edges {
             Some(turns) => turns,
-            None => entries.clone().map(|(x, y)| across(x, y)).collect(),
+            None => entries.clone().map(|(x, y)| smallest_turn(x, y, true)).collect(),
         };
         let mirrors = |(x, y): (usize, usize)| if is_mirrored(&planes[x], &planes[y]) { -1.0 } else { 1.0 };
         let mirrors: Vec<f64> = if is_sheet { Vec::new() } else { entries.map(mirrors).collect() };

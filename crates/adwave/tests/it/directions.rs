@@ -150,6 +150,40 @@ fn lengths_never_grow_beyond_those_that_scalars_have() {
     }
 }
 
+/// Two bands of a sphere that touch at one vertex, with their normals on opposite sides there.
+fn touching_cones() -> Shape {
+    let ring =
+        |z: f64| (0..12).map(move |i| (TAU * f64::from(i) / 12.0, z)).map(|(a, z)| [a.cos(), a.sin(), z]);
+    let points: Vec<[f64; 3]> = [[0.0; 3]].into_iter().chain(ring(0.1)).chain(ring(-0.1)).collect();
+    let fan = |first: u32| (0..12).map(move |i| [0, first + i, first + (i + 1) % 12]);
+    let triangles: Vec<[u32; 3]> = fan(1).chain(fan(13).map(|[a, b, c]| [a, c, b])).collect();
+    Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles)).unwrap())
+}
+
+#[test]
+fn the_operator_is_self_adjoint_on_any_surface() {
+    for shape in [sample("bracket", 1000), cloud(&sample("creature", 2000)), moebius(40, 1), touching_cones()]
+    {
+        for kind in [OperatorKind::Surface, OperatorKind::Walk] {
+            for symmetry in Symmetry::ALL.iter().copied() {
+                let directions = Directions::new(&prepare(&shape, kind), symmetry, Progress::none()).unwrap();
+                let (operator, n) = (directions.decomposer().operator(), directions.decomposer().n_places());
+                if !operator.is_reversible() {
+                    continue;
+                }
+                let (u, v) = (varied(n), varied(n + 7)[14..].to_vec());
+                let product = |a: &[f64], b: &[f64]| {
+                    let mut out = vec![0.0; 2 * n];
+                    operator.multiply(a, 2, &mut out, Progress::none()).unwrap();
+                    (0..2 * n).map(|i| operator.weights().weight(i / 2, n) * out[i] * b[i]).sum::<f64>()
+                };
+                let (there, back) = (product(&u, &v), product(&v, &u));
+                assert!((there - back).abs() < 1e-12, "{kind:?} {symmetry:?}: {there} {back}");
+            }
+        }
+    }
+}
+
 #[test]
 fn turning_the_shape_turns_the_result() {
     let turn = |v: &[f64; 3]| {
