@@ -1,10 +1,10 @@
-//! What the numbers of a signal are.
+//! Meaning of the numbers of a signal.
 
 use super::parse_named;
 use adwave::directions::{Symmetry, TensorOrder};
 use clap::Args;
 
-/// What the numbers of a signal are: each by itself, or directions or tensors in tangent planes.
+/// Meaning of the numbers of a signal: each by itself, or directions or tensors in tangent planes.
 #[derive(Clone, Copy, Debug, Default, Args)]
 #[command(next_help_heading = "Signal")]
 pub(crate) struct QuantityArgs {

@@ -1,5 +1,5 @@
-//! What a signal is: numbers, directions in tangent planes, or symmetric tensors; the scalars and directions that are
-//! filtered for it, and the signal that follows from them.
+//! Quantities that a signal holds: numbers, directions in tangent planes, or symmetric tensors. Each is split into scalars
+//! and directions, which are filtered, and put together again.
 
 use super::signal::Signal;
 use crate::args::QuantityArgs;

@@ -54,6 +54,9 @@ fn directions_are_refused_where_there_are_none() {
     let said =
         refused(folder.path(), "filter wind.ply -o o.ply --signal z --directions lines --preset smooth");
     assert!(said.contains("vectors of three components, and z has 1 number"), "{said}");
+    // Positions are no vectors: their tangent parts alone would flatten the shape.
+    let said = refused(folder.path(), "filter wind.ply -o o.ply --directions vectors --preset smooth");
+    assert!(said.contains("coordinates are positions") && !folder.path().join("o.ply").exists(), "{said}");
     let line = "filter wind.ply -o o.ply --signal wind --directions lines --preset smooth --local-fit linear";
     assert!(refused(folder.path(), line).contains("--local-fit"));
     std::fs::write(

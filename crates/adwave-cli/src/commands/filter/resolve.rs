@@ -36,7 +36,7 @@ pub(super) struct FilterJob<'a> {
     pub(super) columns: Option<NpyColumns>,
     pub(super) operator: OperatorParams,
     pub(super) levels: FilterLevels,
-    /// What the numbers of the signal are.
+    /// Meaning of the numbers of the signal.
     pub(super) quantity: QuantityArgs,
     pub(super) layers: Vec<Layer>,
     /// Bands along time, and their gains.
@@ -171,6 +171,13 @@ fn time_bands(
     global: &Global<'_>,
 ) -> Result<Option<(TimeBands, Vec<f64>)>, CliError> {
     if !args.quantity.are_numbers() {
+        if signal_name == COORDS {
+            return Err(CliError::Input(
+                "--directions and --tensors need a field of the shape, and coordinates are positions; name one by --signal, \
+                 such as normals or principal-direction"
+                    .to_owned(),
+            ));
+        }
         let applies = "applies to numbers, and the signal holds directions or tensors";
         let options =
             ["--as-labels", "--local-fit", "--time-fwhm", "--time-lengths", "--recipe", "--save-recipe"];
