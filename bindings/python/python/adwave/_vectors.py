@@ -224,11 +224,7 @@ class VectorField(Members):
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        if levels is None and isinstance(gains, Sequence) and not isinstance(gains, str):
-            numbers = [gain for gain in gains if isinstance(gain, (int, float))]
-            levels = len(numbers) or None
-        bands = self.decomposer.decompose(self._channels, levels=levels, accuracy=accuracy, progress=progress)
-        return self._with_channels(np.asarray(bands.apply(gains, where=where), dtype=np.float64))
+        return self._with_channels(_filter(self.decomposer, self._channels, gains, where, levels, accuracy, progress))
 
     def singularities(self, *, progress: ProgressLike = None) -> Singularities:
         """Triangles around which the field turns, with the numbers of turns.
@@ -378,12 +374,9 @@ class TensorField(Members):
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        if levels is None and isinstance(gains, Sequence) and not isinstance(gains, str):
-            levels = len([gain for gain in gains if isinstance(gain, (int, float))]) or None
 
         def apply(owner: Decomposer, values: _Floats) -> _Floats:
-            bands = owner.decompose(values, levels=levels, accuracy=accuracy, progress=progress)
-            return np.asarray(bands.apply(gains, where=where), dtype=np.float64)
+            return _filter(owner, values, gains, where, levels, accuracy, progress)
 
         return self._with_values(self._map(apply))
 
@@ -515,3 +508,19 @@ def _heat_on(shape: object, operator: OperatorLike) -> Decomposer:
     if operator is not None:
         return prepare_decomposer(domain, operator)
     return domain.for_levels(Widths(rms=[1.0]))
+
+
+def _filter(
+    owner: Decomposer,
+    values: _Floats,
+    gains: GainsLike,
+    where: Where,
+    levels: LevelsLike,
+    accuracy: float,
+    progress: ProgressLike,
+) -> _Floats:
+    """Values with changed bands, by default of one level for each gain."""
+    if levels is None and isinstance(gains, Sequence) and not isinstance(gains, str):
+        levels = sum(isinstance(gain, (int, float)) for gain in gains) or None
+    bands = owner.decompose(values, levels=levels, accuracy=accuracy, progress=progress)
+    return np.asarray(bands.apply(gains, where=where), dtype=np.float64)
