@@ -174,7 +174,7 @@ fn time_bands(
         if signal_name == COORDS {
             return Err(CliError::Input(
                 "--directions and --tensors need a field of the shape, and coordinates are positions; name one by --signal, \
-                 such as normals or principal-direction"
+                 such as principal-direction"
                     .to_owned(),
             ));
         }
