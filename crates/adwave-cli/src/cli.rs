@@ -2,6 +2,7 @@
 
 use crate::args::GlobalArgs;
 use crate::commands::{
+    animate::AnimateArgs,
     basis::BasisArgs,
     compare::CompareArgs,
     convert::ConvertArgs,
@@ -134,6 +135,8 @@ pub(crate) enum Command {
     Transfer(TransferArgs),
     /// Blend two shapes with the same faces, band by band
     Morph(MorphArgs),
+    /// Smooth, calm or exaggerate the motion of a shape that is given by frames
+    Animate(AnimateArgs),
     /// Map where a signal stands out, over all levels
     Saliency(SaliencyArgs),
     /// Find features: places where a level stands out, each with its size

@@ -184,6 +184,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Rebase(args) => commands::rebase::run(args, global),
         Command::Transfer(args) => commands::transfer::run(args, global),
         Command::Morph(args) => commands::morph::run(args, global),
+        Command::Animate(args) => commands::animate::run(args, global),
         Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),
         Command::Studio(args) => commands::studio::run(args, global),

@@ -101,6 +101,7 @@ pub use formats::npy::write::{
 pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexColumn, VertexEdit, rewrite_mesh};
+pub use model::brain_layout::{BRAIN_VALUES, BrainLayout, BrainPart, BrainPlaces};
 pub use model::face_cells::FaceCells;
 pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;

@@ -1,6 +1,7 @@
 //! Signals by name: coordinates, fields of the file, quantities computed from the shape, colors of a texture, other
 //! files.
 
+use crate::model::brain_layout::BRAIN_VALUES;
 use crate::model::field::COORDS;
 use crate::model::format_descriptor::SurfaceSize;
 use crate::model::grid_layout::GRID_VALUES;
@@ -51,10 +52,12 @@ impl ClassifiedError for NamedSignalError {
 /// Name of the signal with the sum of the weights at each node of a graph.
 pub const DEGREE: &str = "degree";
 
-/// Default signal of a shape: its coordinates, the degree of a graph's nodes, or the values of an image or a volume.
+/// Default signal of a shape: its coordinates, the degree of a graph's nodes, or the values of an image, a volume or a
+/// brain.
 pub fn default_signal(file: &ShapeFile) -> &'static str {
     match file.grid() {
         Some(_) => GRID_VALUES,
+        None if file.brain().is_some() => BRAIN_VALUES,
         None if file.points().is_empty() => DEGREE,
         None => COORDS,
     }
@@ -276,7 +279,7 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut value
             let missing = values.iter_mut().enumerate().filter(|(_, x)| x.is_nan());
             missing.for_each(|(k, x)| *x = old.values.get(k));
         }
-        if file.grid().is_some() {
+        if file.grid().is_some() || file.brain().is_some() {
             // Its writer rounds to the type of the file, and refuses what that cannot hold.
             let frame_step = old.frame_step.filter(|_| old.n_channels == n_channels);
             return Field::new(name, n_channels, FieldValues::F64(values)).with_frame_step(frame_step);

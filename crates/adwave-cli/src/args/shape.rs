@@ -20,6 +20,9 @@ pub(crate) struct ShapeArgs {
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_parser = parse_named::<ShapeKind>(), help_heading = "Shape")]
     pub(crate) kind: Option<ShapeKind>,
+    /// Mesh of a part of a CIFTI, as STRUCTURE=FILE if the file does not say of which; once for each part
+    #[arg(long, value_name = "FILE", value_parser = file_name(), help_heading = "Shape")]
+    pub(crate) surface: Vec<String>,
     /// Approximate number of vertices of a sample
     #[arg(long, value_name = "N", value_parser = count, help_heading = "Shape")]
     pub(crate) vertices: Option<usize>,

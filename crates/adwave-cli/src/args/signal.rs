@@ -41,9 +41,10 @@ impl SignalArgs {
         self.signal.as_deref()
     }
 
-    /// The name that was asked for, else that of the values of an image or a volume, else that of the coordinates.
+    /// The name that was asked for, else that of the values of an image, a volume or a brain, else that of the
+    /// coordinates.
     pub(crate) fn name_on(&self, file: &ShapeFile) -> &str {
-        let usual = if file.grid().is_some() { default_signal(file) } else { COORDS };
+        let usual = if file.carries_values() { default_signal(file) } else { COORDS };
         self.asked_name().unwrap_or(usual)
     }
 

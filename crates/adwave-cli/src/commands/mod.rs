@@ -1,6 +1,7 @@
 //! The subcommands, a file or a folder each: resolve → compute → write.
 
 mod analysis;
+pub(crate) mod animate;
 pub(crate) mod basis;
 mod basis_transform;
 pub(crate) mod compare;

@@ -8,8 +8,8 @@ use crate::resolve::applicable::article;
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, Format, GRID_VALUES, MovedNormals, ShapeFile, Subset, ValueType,
-    keep_left_out_values, named_axis, with_axis, written_signal,
+    COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, MovedNormals, ShapeFile, Subset,
+    ValueType, keep_left_out_values, named_axis, with_axis, written_signal,
 };
 use std::path::Path;
 
@@ -140,6 +140,22 @@ impl<'a> ResultFile<'a> {
 /// Refuses a file of shapes for values of an image or a volume, and the other way round.
 pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
     let kind = ValuesFile::choose(path, &input.file);
+    if input.file.brain().is_some() {
+        let own = CiftiColumns::from_path(Path::new(&input.name));
+        let fits = match kind {
+            Some(ValuesFile::Cifti(columns)) => own.is_none_or(|own| own == columns),
+            Some(ValuesFile::Npy | ValuesFile::Csv) => true,
+            _ => false,
+        };
+        if fits {
+            return Ok(());
+        }
+        return Err(CliError::Input(format!(
+            "{}: the values of {} go into a CIFTI of the same kind, .npy or .csv",
+            path.display(),
+            input.name
+        )));
+    }
     let is_grid = input.file.grid().is_some();
     let fits = if is_grid { kind.is_some() } else { kind != Some(ValuesFile::Grid) };
     if fits {

@@ -5,8 +5,8 @@ use super::{clone_for_output, has_extension, note, write_file, write_file_with, 
 use crate::error::CliError;
 use crate::global::Global;
 use adwave_io::{
-    ArrayValues, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile, ValueType,
-    rewrite_values, write_cifti_fields, write_csv_fields, write_gifti_fields, write_npy,
+    ArrayValues, BRAIN_VALUES, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile,
+    ValueType, rewrite_values, write_cifti_fields, write_csv_fields, write_gifti_fields, write_npy,
 };
 use std::path::Path;
 
@@ -74,6 +74,12 @@ impl ValuesFile {
     ) -> Result<(), CliError> {
         if self == Self::Grid {
             return write_grid(global, path, fields, file);
+        }
+        if let (Self::Cifti(_), Some(_)) = (self, file.brain()) {
+            let mut brain = clone_for_output(file, path);
+            let values = FieldValues::F64(join(fields));
+            brain.add_vertex_field(Field::new(BRAIN_VALUES, count_channels(fields), values))?;
+            return write_shape(global, &brain, path).map(|_| ());
         }
         let fields: Vec<Field> = fields.iter().map(|field| file.in_file_rows(field.clone())).collect();
         if let Self::Cifti(columns) = self {

@@ -1,5 +1,6 @@
 //! Refusal of options that apply to nothing on the shapes at hand.
 
+use super::brain::SURFACE;
 use super::shape::{Input, POINTS};
 use crate::args::WALK_OPTIONS;
 use crate::error::CliError;
@@ -24,6 +25,10 @@ pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Res
     }
     if !any(|input| input.shape.is_cloud()) {
         given.refuse(&["--cloud-area"], &format!("applies to clouds, and {described}"))?;
+    }
+    if !any(|input| input.file.brain().is_some()) {
+        let applies = format!("applies to a CIFTI, which has values of several surfaces, and {described}");
+        given.refuse(&[SURFACE], &applies)?;
     }
     if !any(|input| matches!(input.shape, Shape::Mesh(_) | Shape::Cloud(_))) {
         given.refuse(&["--no-weld"], &format!("applies to meshes and clouds, and {described}"))?;

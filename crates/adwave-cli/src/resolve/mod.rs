@@ -2,6 +2,7 @@
 //! axis that points up.
 
 pub(crate) mod applicable;
+pub(crate) mod brain;
 pub(crate) mod levels;
 pub(crate) mod operator;
 pub(crate) mod pose;

@@ -1,6 +1,7 @@
 //! From the SHAPE argument to a shape.
 
 use super::applicable::check_shape_options;
+use super::brain::brain_of;
 use super::walk::{GivenWalk, read_points};
 pub(crate) use crate::args::GivenLength;
 use crate::args::{OPERATOR_OPTIONS, SelectionArgs, ShapeArgs, to_path};
@@ -52,8 +53,11 @@ impl Input {
         if self.mesh_of_cells.is_some() { ["face", "faces"] } else { row_words(&self.file) }
     }
 
-    /// `mesh`, `cloud`, `graph`, `sequence`, `image` or `volume`.
+    /// `mesh`, `cloud`, `graph`, `sequence`, `image`, `volume` or `brain`.
     pub(crate) fn kind_name(&self) -> &'static str {
+        if self.file.brain().is_some() {
+            return "brain";
+        }
         match self.file.grid().map(|grid| grid.sizes.len()) {
             Some(1) => "sequence",
             Some(2) => "image",
@@ -121,6 +125,8 @@ pub(crate) struct ShapeSource<'a> {
     pub(crate) selection: Option<&'a SelectionArgs>,
     /// Neighbors of points of any dimension; `None` for the usual number.
     pub(crate) neighbors: Option<usize>,
+    /// Surfaces of the parts of a CIFTI.
+    pub(crate) surfaces: &'a [String],
 }
 
 /// Prefix of a table of points of any dimension.
@@ -147,7 +153,7 @@ impl<'a> ShapeSource<'a> {
     /// Source of a shape with all its vertices and no further options.
     pub(crate) fn new(shape: &'a str) -> Self {
         let (sample, part) = (SampleSize::default(), CloudPart::default());
-        Self { shape, kind: None, sample, part, selection: None, neighbors: None }
+        Self { shape, kind: None, sample, part, selection: None, neighbors: None, surfaces: &[] }
     }
 }
 
@@ -163,7 +169,9 @@ pub(crate) fn load_one_of_two(args: &ShapeArgs, global: &Global<'_>) -> Result<I
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
     let neighbors = global.given.has("--neighbors").then(|| args.operator.neighbors.get());
-    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection, neighbors };
+    let surfaces = &args.surface;
+    let source =
+        ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection, neighbors, surfaces };
     let mut input = load_source(&source, global)?;
     input.allows_degrees = args.allow_degrees;
     Ok(input)
@@ -194,14 +202,15 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             global.inputs.add_remark(text.clone());
         }
         let kind = source.kind.unwrap_or_else(|| file.kind());
+        let brain = brain_of(&file, &name, source.surfaces, global)?;
         let file = match selection {
             Some(selection) => select(file, &name, SelectionUse { selection, rest: Rest::Stays }, global)?,
             None => file,
         };
-        let shape = match file.grid() {
-            // The operator is that of the grid.
-            Some(grid) => Graph::new(grid.n_places(), &[]).map(Shape::Graph).map_err(|e| e.to_string()),
-            None => file.to_shape_as(kind).map_err(|e| e.to_string()),
+        let shape = match file.carries_values() {
+            // The operator is that of the grid or of the parts.
+            true => Graph::new(file.n_vertices(), &[]).map(Shape::Graph).map_err(|e| e.to_string()),
+            false => file.to_shape_as(kind).map_err(|e| e.to_string()),
         };
         let shape = shape.map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         if shape.is_graph()
@@ -216,9 +225,9 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             };
             global.inputs.add_remark(format!("{name}: {text}{change}"));
         }
-        let carrier = match (own, grid_of(&file, &name, global)?) {
-            (Some(domain), _) | (None, Some(domain)) => Carrier::Own(domain),
-            (None, None) => Carrier::Shape,
+        let carrier = match own.or(brain).or(grid_of(&file, &name, global)?) {
+            Some(domain) => Carrier::Own(domain),
+            None => Carrier::Shape,
         };
         Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, carrier })
     })
@@ -236,6 +245,9 @@ fn open_own_domain(name: &str, global: &Global<'_>) -> Result<Option<Decomposer>
 
 /// The words for one place of a file and for several.
 pub(crate) fn row_words(file: &ShapeFile) -> [&'static str; 2] {
+    if file.brain().is_some() {
+        return ["place", "places"];
+    }
     match file.grid().map(|grid| grid.sizes.len()) {
         Some(1) => ["sample", "samples"],
         Some(2) => ["pixel", "pixels"],

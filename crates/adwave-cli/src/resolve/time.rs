@@ -22,9 +22,16 @@ pub(crate) struct TimeBands {
     pub(crate) axis: TimeAxis,
     /// Widths σ of the bands, in seconds.
     pub(crate) widths: Vec<f64>,
-    /// True if the file states the time from frame to frame.
-    is_stated: bool,
+    source: StepSource,
     held: HeldRows,
+}
+
+/// Source of the time from frame to frame.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum StepSource {
+    File,
+    Option,
+    Assumed,
 }
 
 impl TimeBands {
@@ -43,7 +50,19 @@ impl TimeBands {
         };
         TimeAxis::check_widths(&widths).map_err(time_error)?;
         let (axis, held) = resolve_frames(&args.axis, name, signal, global)?;
-        Ok(Some(Self { axis, widths, is_stated: args.axis.time_step.is_none(), held }))
+        let source = if args.axis.time_step.is_none() { StepSource::File } else { StepSource::Option };
+        Ok(Some(Self { axis, widths, source, held }))
+    }
+
+    /// The bands that are asked for along an axis that is known; `None` without widths.
+    pub(crate) fn of_axis(
+        args: &TimeArgs,
+        axis: TimeAxis,
+        source: StepSource,
+    ) -> Result<Option<Self>, CliError> {
+        let Some(widths) = args.widths() else { return Ok(None) };
+        TimeAxis::check_widths(&widths).map_err(time_error)?;
+        Ok(Some(Self { axis, widths, source, held: Vec::new() }))
     }
 
     /// Refuses gains that are not one finite number for each band.
@@ -58,9 +77,21 @@ impl TimeBands {
         gains: &[f64],
         progress: Progress<'_>,
     ) -> Result<(), CliError> {
-        self.axis.filter(values, 1, &self.widths, gains, progress).map_err(time_error)?;
+        self.filter_components(values, 1, gains, progress)?;
         restore_held(&self.held, values);
         Ok(())
+    }
+
+    /// Multiplies the bands of `values`, vertices × frames × components, by `gains`. Vertices with a value that is not
+    /// finite keep their values.
+    pub(crate) fn filter_components(
+        &self,
+        values: &mut [f64],
+        n_components: usize,
+        gains: &[f64],
+        progress: Progress<'_>,
+    ) -> Result<(), CliError> {
+        self.axis.filter(values, n_components, &self.widths, gains, progress).map_err(time_error)
     }
 
     /// The bands of `values`, vertices × frames, fine to coarse, and the rest.
@@ -71,7 +102,11 @@ impl TimeBands {
     /// Says what the frames and the bands are.
     pub(crate) fn describe(&self, text: &mut String, gains: Option<&[f64]>) {
         let list = |values: &[f64]| values.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ");
-        let source = if self.is_stated { "as the file says" } else { "as given" };
+        let source = match self.source {
+            StepSource::File => "as the file says",
+            StepSource::Option => "as given",
+            StepSource::Assumed => "assumed",
+        };
         let _ = write!(
             text,
             "time: {}, one every {} s ({source}); FWHM {} s",
@@ -97,7 +132,7 @@ impl TimeBands {
         json!({
             "frames": self.axis.n_frames(),
             "step": self.axis.step(),
-            "step_is_from_file": self.is_stated,
+            "step_is_from_file": self.source == StepSource::File,
             "sigma": self.widths,
             "fwhm": self.fwhm(),
             "gains": gains,

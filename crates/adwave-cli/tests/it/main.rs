@@ -1,6 +1,8 @@
 //! Tests of `adwave-cli`, in one program: each program of its own would be linked with everything again.
 
 mod analysis;
+mod animate;
+mod brains;
 #[path = "../promises/cells_file.rs"]
 mod cells_file;
 mod cloud_part;

@@ -209,6 +209,7 @@ fn write_named_files(folder: &Path) {
     save(&flow, "flow.ply");
     write_path(&tensors(), &at("dti.nii.gz"), None).unwrap();
     write_texture(folder);
+    write_frames(folder, &model);
     for folder in ["models", "textured-models", "FOLDER"] {
         fs::create_dir_all(at(folder)).unwrap();
         save(&model, &format!("{folder}/armadillo.obj"));
@@ -217,6 +218,26 @@ fn write_named_files(folder: &Path) {
     fs::write(at("edit.toml"), recipe).unwrap();
     let pose = "[pose]\nfixed = 'ball:vertex=7,radius=10%'\n[[pose.handle]]\nregion = 'ball:vertex=1972,radius=5%'\nby = [0.0, 0.0, 0.3]\n";
     fs::write(at("pose.toml"), pose).unwrap();
+}
+
+/// Frames of a shape that sways, as files and as an array.
+fn write_frames(folder: &Path, model: &ShapeFile) {
+    const FRAMES: usize = 12;
+    let rest = model.points().to_vec();
+    let sway = |x: usize, t: usize| {
+        let [a, b, c] = rest[x];
+        [a, b, c + 0.05 * (0.6 * t as f64 + 2.0 * a).sin() + 0.002 * ((x * 37 + t * 11) % 13) as f64]
+    };
+    let mut frame = ShapeFile::from_mesh(rest.clone(), model.faces().clone());
+    fs::create_dir(folder.join("walk")).unwrap();
+    for t in 0..FRAMES {
+        frame.set_points((0..rest.len()).map(|x| sway(x, t)).collect()).unwrap();
+        write_path(&frame, &folder.join(format!("walk/{}.obj", t + 1)), None).unwrap();
+    }
+    let value = |k: usize| sway(k / FRAMES / 3, k % FRAMES)[k / FRAMES % 3];
+    let values: Vec<f64> = (0..3 * rest.len() * FRAMES).map(value).collect();
+    let sizes = [rest.len(), 3, FRAMES];
+    adwave_io::write_npy(&folder.join("moves.npy"), &sizes, adwave_io::ArrayValues::F64(&values)).unwrap();
 }
 
 fn write_curves_and_graphs(folder: &Path) {

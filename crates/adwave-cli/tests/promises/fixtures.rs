@@ -41,6 +41,7 @@ fn write_fixtures(folder: &Path) {
     write_path(&image(), &at("image.tif"), None).unwrap();
     write_path(&series(), &at("series.nii"), None).unwrap();
     write_path(&tensors(), &at("tensors.nii"), None).unwrap();
+    write_frames(folder);
     for (name, seed) in [("curve.obj", 1), ("curve2.obj", 2)] {
         fs::write(at(name), curve(seed)).unwrap();
     }
@@ -71,6 +72,29 @@ fn write_fixtures(folder: &Path) {
     let depths: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", depth(k)));
     fs::write(at("depth.csv"), format!("depth\n{depths}")).unwrap();
     write_cells(folder);
+}
+
+/// Frames of a mesh that turns and sways with jitter, as files and as two arrays.
+fn write_frames(folder: &Path) {
+    const FRAMES: usize = 12;
+    let mut file = ShapeFile::from_mesh(mesh(1).points().to_vec(), mesh(1).faces().clone());
+    let rest = file.points().to_vec();
+    let jitter = |x: usize, t: usize| 0.01 * ((x * 7919 + t * 104_729) % 101) as f64 / 101.0;
+    let point = |x: usize, t: usize| {
+        let ([a, b, c], time) = (rest[x], t as f64);
+        let (sin, cos) = (0.05 * time).sin_cos();
+        [cos * a - sin * b, sin * a + cos * b + 0.1 * time, c + 0.1 * (0.7 * time + a).sin() + jitter(x, t)]
+    };
+    fs::create_dir(folder.join("walk")).unwrap();
+    for t in 0..FRAMES {
+        file.set_points((0..rest.len()).map(|x| point(x, t)).collect()).unwrap();
+        save(&file, &folder.join(format!("walk/{}.obj", t + 1)));
+    }
+    for (name, shift) in [("moves.npy", 0), ("moves2.npy", 5)] {
+        let value = |k: usize| point(k / FRAMES / 3, k % FRAMES + shift)[k / FRAMES % 3];
+        let values: Vec<f64> = (0..3 * rest.len() * FRAMES).map(value).collect();
+        write_npy(&folder.join(name), &[rest.len(), 3, FRAMES], ArrayValues::F64(&values)).unwrap();
+    }
 }
 
 /// Counts and coordinates of 60 cells on a ring, a walk on them, and the graph of each.

@@ -3,7 +3,7 @@
 use crate::harness::split_words;
 
 /// Shortest useful lines of each command. `{in}` and `{other}` stand for shapes; all results go below `out/`.
-const BASES: [(&str, &[&str]); 32] = [
+const BASES: [(&str, &[&str]); 33] = [
     ("info", &["info {in}"]),
     ("transform", &["transform {in} -o out/r.ply"]),
     ("filter", &["filter {in} -o out/r.ply --gains 0,0.5,1", "filter {in} -o out/r.ply --preset smooth"]),
@@ -17,6 +17,13 @@ const BASES: [(&str, &[&str]); 32] = [
     ("rebase", &["rebase {in} --base {in} -o out/r.ply", "rebase {in} --write-base out/r.ply"]),
     ("transfer", &["transfer {in} --from {other} -o out/r.ply"]),
     ("morph", &["morph {in} {other} -o out/r.ply --share 0.5"]),
+    (
+        "animate",
+        &[
+            "animate walk -o out/r.npy --motion out/m.ply",
+            "animate mesh.ply --positions moves.npy -o out/r.npy",
+        ],
+    ),
     ("saliency", &["saliency {in} -o out/r.ply"]),
     ("features", &["features {in} -o out/r.csv --theta 0.5"]),
     ("match", &["match {in} {other} -o out/r.csv"]),
@@ -90,6 +97,7 @@ const CASES: &[OptionCase] = &[
     in_file(with(case("*", "--noise", "0.3"), "--vertices 300"), "sample:sphere"),
     in_file(with(case("*", "--seed", "9"), "--noise 0.3 --vertices 300"), "sample:sphere"),
     in_file(with(case("*", "--allow-degrees", ""), "--lengths 2,4,8"), "scan2.las"),
+    case("*", "--surface", "mesh.ply"),
     // The operator.
     case("*", "--operator", "surface"),
     in_file(case("match", "--operator", "walk"), "creature.ply"),
@@ -206,6 +214,20 @@ const CASES: &[OptionCase] = &[
     case("morph", "--share", "2"),
     case("morph", "--band-shares", "0,1"),
     with(case("morph", "--levels", "1"), "--band-shares 0"),
+    // animate
+    case("animate", "--positions", "moves2.npy"),
+    case("animate", "--animation", "Second"),
+    case("animate", "--output", "out/other.npy"),
+    case("animate", "--still", ""),
+    case("animate", "--denoise", ""),
+    with(case("animate", "--strength", "0.5"), "--denoise"),
+    case("animate", "--gains", "0,1,2"),
+    case("animate", "--motion", "out/m.ply"),
+    case("animate", "--time-fwhm", "3s"),
+    case("animate", "--time-lengths", "2"),
+    with(case("animate", "--time-gains", "2"), "--time-fwhm 3s"),
+    with(case("animate", "--time-step", "2s"), "--time-fwhm 3s"),
+    with(case("animate", "--time-ends", "causal"), "--time-fwhm 3s"),
     // Maps and features.
     case("*", "--mask-border", "1"),
     case("*", "--skip", "1"),

@@ -34,9 +34,11 @@ const WITHOUT_EFFECT: [(&str, &str, &str); 15] = [
 ];
 
 /// Options that need data that no fixture has, with the reason.
-const WITHOUT_DATA: [(&str, &str, &str); 4] = [
+const WITHOUT_DATA: [(&str, &str, &str); 6] = [
     ("*", "--resolution", "COPC and EPT are not written"),
     ("tiles", "--allow-degrees", "the lines of the command have coordinates in meters"),
+    ("*", "--surface", "no fixture has values of several surfaces"),
+    ("animate", "--animation", "a GLB with several animations is not written"),
     ("match", "--weld", "the shapes with features are closed"),
     ("evaluate", "--per-component", "the shapes with features have one part"),
 ];

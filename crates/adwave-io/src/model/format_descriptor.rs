@@ -21,6 +21,8 @@ pub(crate) enum ContentKind {
     Graph,
     /// Values at the places of a regular grid: images and volumes.
     Grid,
+    /// Values of the parts of a brain: of surfaces in other files, and of voxels.
+    Brain,
     /// Values at the vertices of a shape in another file.
     Values,
 }
@@ -256,7 +258,7 @@ impl FormatDescriptor {
         let Some(name) = path.file_name() else { return false };
         let name = name.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
-        name.rsplit_once('.').is_some_and(|(_, ending)| is_own(ending))
+        name.match_indices('.').any(|(dot, _)| is_own(&name[dot + 1..]))
             && !self.foreign_endings.iter().any(|ending| name.ends_with(ending))
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod binary_rows;
 #[cfg(any(feature = "vtk", feature = "volume"))]
+pub(crate) mod brain_layout;
 pub(crate) mod cells;
 pub(crate) mod colors;
 pub(crate) mod context;

@@ -84,6 +84,11 @@ pub enum ShapeFileError {
     /// The file has an image or a volume (see [`ShapeFile::grid`]).
     #[error("the file holds an image or a volume, and a shape is needed")]
     NoShape,
+    /// The file has values of the parts of a brain (see [`ShapeFile::brain`]).
+    #[error(
+        "the file holds values of the parts of a brain; give a surface as the shape, and this file as a field of it"
+    )]
+    NoShapeButParts,
     /// A graph was requested, but there are no edges.
     #[error("the file has no edges, so it cannot be used as a graph")]
     NoEdges,
@@ -147,6 +152,9 @@ impl ShapeFile {
     pub fn to_shape_as(&self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
         if self.grid.is_some() {
             return Err(ShapeFileError::NoShape);
+        }
+        if self.brain.is_some() {
+            return Err(ShapeFileError::NoShapeButParts);
         }
         Ok(match kind {
             ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use adwave::shape::Polygons;
 
+use crate::model::brain_layout::BrainLayout;
 use crate::model::float_steps::note_on_reading;
 use crate::model::grid_layout::GridLayout;
 use crate::model::partial::{FileRows, WholeFile};
@@ -79,6 +80,8 @@ pub struct ShapeFile {
     pub(crate) precision: CoordinatePrecision,
     /// Places of an image or a volume, which are the vertices.
     pub(crate) grid: Option<Arc<GridLayout>>,
+    /// Parts of the brain that the values belong to.
+    pub(crate) brain: Option<Arc<BrainLayout>>,
     /// Type of the numbers of a written grid; `None` for that of the original or of the values.
     pub(crate) value_type: Option<ValueType>,
     /// Unit of length of the coordinates, if it is known.
@@ -144,6 +147,7 @@ impl ShapeFile {
             format: None,
             precision: CoordinatePrecision::F64,
             grid: None,
+            brain: None,
             value_type: None,
             unit: None,
             coordinate_system: None,

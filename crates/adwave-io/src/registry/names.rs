@@ -106,6 +106,11 @@ impl Format {
         self.descriptor().content == ContentKind::Grid
     }
 
+    /// True if the format holds values of the parts of a brain, and no shapes.
+    pub fn holds_brains(self) -> bool {
+        self.descriptor().content == ContentKind::Brain
+    }
+
     /// Form that represents both the binary and the text form: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         self.descriptor().form_of.unwrap_or(self)

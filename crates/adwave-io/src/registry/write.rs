@@ -112,7 +112,17 @@ fn write_shape(
         let what = if holds_grids { "a shape: it holds images and volumes" } else { "the values of a grid" };
         return Err(WriteError::CannotHold { format, what: what.into() });
     }
-    if shape.points.len() != shape.n_vertices && !holds_grids && !format.holds_graphs() {
+    let holds_brains = format.holds_brains();
+    if holds_brains != shape.brain.is_some() {
+        let what = if holds_brains {
+            "a shape: it holds values of a brain"
+        } else {
+            "values of the parts of a brain"
+        };
+        return Err(WriteError::CannotHold { format, what: what.into() });
+    }
+    let has_values = holds_grids || holds_brains;
+    if shape.points.len() != shape.n_vertices && !has_values && !format.holds_graphs() {
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
     }

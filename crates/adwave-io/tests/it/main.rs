@@ -3,6 +3,7 @@
 mod all_files;
 mod between_formats;
 mod cancelling;
+mod cifti;
 mod cloud_part;
 mod common;
 mod every_format;

@@ -6,7 +6,9 @@ mod default_schedule;
 mod given_walk;
 mod labels;
 mod level_spec;
+mod part;
 mod request;
+mod union;
 
 pub use level_spec::{LevelSpec, LevelSpecError, ResolvedLevels};
 pub use request::BandsRequest;
@@ -252,13 +254,7 @@ impl Decomposer {
         let mask = Mask::new(masked, self.vertex_map())?;
         let (domain, none) = (Arc::clone(&self.domain), Progress::none());
         let squared_length = move |x: usize, y: usize| domain.squared_length(x, y);
-        let around = self.operator().masked(mask.welded(), &squared_length, none)?;
-        let transform = if let Some(operator) = around {
-            Transform::from_shared_operator(operator, &BandsParams::default())?
-        } else {
-            let rows = self.transform.rows("a mask")?;
-            transform(rows.remove_masked(mask.welded(), squared_length, none)?)
-        };
+        let transform = without_places(&self.transform, mask.welded(), squared_length, none)?;
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
         let measure = match &self.measure {
             Some(measure) => measure.iter().enumerate().map(keep).collect(),
@@ -720,6 +716,19 @@ impl Decomposer {
             wavelet: map.scatter(&wavelet, 1),
             support,
         })
+    }
+}
+
+/// A transform whose operator goes around the flagged places.
+fn without_places(
+    of: &Transform,
+    masked: &[bool],
+    squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<Transform, MaskError> {
+    match of.operator().masked(masked, &squared_length, progress)? {
+        Some(operator) => Ok(Transform::from_shared_operator(operator, &BandsParams::default())?),
+        None => Ok(transform(of.rows("a mask")?.remove_masked(masked, squared_length, progress)?)),
     }
 }
 

@@ -215,6 +215,24 @@ pub enum DomainError {
         "neither the domain (`Domain::neighbors`) nor the operator (`Operator::rows`) tells which places are neighbors; give one of them"
     )]
     NoNeighbors,
+    /// Domains that cannot be one.
+    #[error("domains cannot be joined: {reason}")]
+    Union {
+        /// Reason.
+        reason: &'static str,
+    },
+    /// Places that cannot be a domain of their own.
+    #[error("some places of a domain cannot be a domain of their own: {reason}")]
+    Part {
+        /// Reason.
+        reason: &'static str,
+    },
+    /// The operator has no rows, which the method needs.
+    #[error(transparent)]
+    NoRows(#[from] crate::operator::NoRows),
+    /// The caller cancelled the call.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The operator does not keep its promises.
     #[error(transparent)]
     Operator(#[from] crate::bands::BandsError),
@@ -224,6 +242,7 @@ impl ClassifiedError for DomainError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Operator(error) => error.kind(),
+            Self::Cancelled(error) => error.kind(),
             _ => ErrorKind::Input,
         }
     }

@@ -5,8 +5,10 @@ use super::runs::Runs;
 use super::steps::RunSteps;
 use super::{Axes, MAX_AXES};
 use crate::operator::{
-    DifferenceSteps, DiffusionError, Leap, Operator, RowOutput, RowWeights, Semigroup, SignalBlock, Steps,
+    DifferenceSteps, Diffusion, DiffusionError, Leap, Operator, RowOutput, RowWeights, Semigroup,
+    SignalBlock, Steps,
 };
+use crate::rows::{CompressedRows, rows_at_a_time};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
@@ -33,9 +35,14 @@ impl GridHeat {
     fn runs(&self) -> &Runs {
         self.runs.get_or_init(|| {
             let mut weights = [0.0; MAX_AXES];
-            self.axes.long().for_each(|axis| weights[axis] = self.side_weight(axis) / (4.0 * self.rate()));
+            self.axes.long().for_each(|axis| weights[axis] = self.weight(axis));
             Runs::new(&self.axes, self.kept.as_deref(), weights)
         })
+    }
+
+    /// Weight of a difference along `axis` in `I − Φ₁`.
+    fn weight(&self, axis: usize) -> f64 {
+        self.side_weight(axis) / (4.0 * self.rate())
     }
 
     /// Weight of a side along `axis`, 1/h² in units of the smallest spacing.
@@ -88,6 +95,34 @@ impl Operator for GridHeat {
         let was_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept[place]);
         let kept = masked.iter().enumerate().map(|(place, masked)| !masked && was_kept(place)).collect();
         Ok(Some(Arc::new(Self::new(self.axes.clone(), Some(kept)))))
+    }
+
+    fn stored_rows(&self, progress: Progress<'_>) -> Result<Option<Arc<Diffusion>>, Cancelled> {
+        let (axes, n) = (&self.axes, self.n_rows());
+        let is_kept = |place: usize| self.kept.as_ref().is_none_or(|kept| kept[place]);
+        let row =
+            |sides: &mut Vec<(u32, f64)>, place: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+                let on_axis = |axis: usize| {
+                    let sides = axes.sides(axis, place, axes.coordinate(axis, place));
+                    sides.into_iter().flatten().map(move |other| (other as u32, self.weight(axis)))
+                };
+                let is_part = |side: &(u32, f64)| {
+                    is_kept(place) && is_kept(side.0 as usize) && side.0 as usize != place
+                };
+                sides.clear();
+                sides.extend(axes.long().flat_map(on_axis).filter(is_part));
+                sides.sort_unstable_by_key(|side| side.0);
+                // Both sides of a ring of two places are the same place.
+                for same in sides.chunk_by(|a, b| a.0 == b.0) {
+                    columns.push(same[0].0);
+                    weights.push(same.iter().map(|side| side.1).sum());
+                }
+            };
+        let rows = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
+        let (pattern, weights) = rows.into_parts();
+        let (length, semigroup) = (self.step_length(), self.semigroup());
+        let heat = Diffusion::from_heat_weights(pattern, weights, vec![1.0; n], length, semigroup, progress)?;
+        Ok(Some(Arc::new(heat)))
     }
 
     fn keeps_promises(&self) -> bool {

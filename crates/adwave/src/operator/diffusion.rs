@@ -353,9 +353,32 @@ impl Diffusion {
         Self::from_heat_weights(pattern, weights, mass, self.step_length, self.semigroup, progress)
     }
 
+    /// Heat on the places with a label alone, numbered in their order. Nothing flows between different labels.
+    pub(crate) fn divided(&self, labels: &[Option<u32>], progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let places: Vec<u32> = (0..labels.len() as u32).filter(|&x| labels[x as usize].is_some()).collect();
+        let mut number = vec![0; labels.len()];
+        for (k, &x) in (0..).zip(&places) {
+            number[x as usize] = k;
+        }
+        let n = places.len();
+        let row = |(): &mut (), k: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+            let x = places[k] as usize;
+            let (others, values) = self.row(x);
+            let kept = others.iter().zip(values).filter(|(y, _)| labels[**y as usize] == labels[x]);
+            for (&y, &w) in kept {
+                columns.push(number[y as usize]);
+                weights.push(w);
+            }
+        };
+        let (pattern, weights) =
+            CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?.into_parts();
+        let mass = parallel::try_collect(n, progress, |k| self.stationary[places[k] as usize])?;
+        Self::from_heat_weights(pattern, weights, mass, self.step_length, self.semigroup, progress)
+    }
+
     /// Heat operator from the off-diagonal entries of Φ₁ and a weight per vertex to which the stationary
     /// distribution is proportional.
-    pub(super) fn from_heat_weights(
+    pub(crate) fn from_heat_weights(
         pattern: Pattern,
         weights: Vec<f64>,
         mass: Vec<f64>,

@@ -161,6 +161,14 @@ pub trait Operator: Debug + Send + Sync {
         None
     }
 
+    /// The operator as rows that are stored now, of one that can say them; those that it has already if it has any.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    fn stored_rows(&self, _progress: Progress<'_>) -> Result<Option<Arc<Diffusion>>, Cancelled> {
+        Ok(self.rows().cloned())
+    }
+
     /// This operator without the flagged places, which keep their values and which no step reaches or leaves. The
     /// weights of the others say how it diffuses among them. `squared_length(x, y)` is the squared length of a step in
     /// model units. `None` if the operator cannot leave places out. An operator with [`rows`](Self::rows) need not

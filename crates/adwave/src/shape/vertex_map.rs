@@ -136,12 +136,23 @@ impl VertexMap {
     }
 
     /// A map with `welded(x) == class[x]`; each of the `n_classes` classes has a vertex.
-    pub(super) fn from_classes(class: Vec<u32>, n_classes: usize) -> Self {
+    pub(crate) fn from_classes(class: Vec<u32>, n_classes: usize) -> Self {
         let mut last_member = vec![0; n_classes];
         for (x, &class) in (0..).zip(&class) {
             last_member[class as usize] = x;
         }
         Self { welded: Arc::new(class), last_member: Arc::new(last_member) }
+    }
+
+    /// The maps one after another: the vertices and welded vertices of each follow those of the one before.
+    pub(crate) fn union<'a>(maps: impl Iterator<Item = &'a Self>) -> Self {
+        let (mut welded, mut last_member) = (Vec::new(), Vec::new());
+        for map in maps {
+            let (first_vertex, first) = (welded.len() as u32, last_member.len() as u32);
+            welded.extend(map.welded.iter().map(|x| first + x));
+            last_member.extend(map.last_member.iter().map(|x| first_vertex + x));
+        }
+        Self { welded: Arc::new(welded), last_member: Arc::new(last_member) }
     }
 
     /// A map without welding, in the given order: `welded(x) == x`.

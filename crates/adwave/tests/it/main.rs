@@ -19,6 +19,7 @@ mod frame;
 mod given_normals;
 mod grid_features;
 mod grids;
+mod joined;
 mod laws;
 mod local_fit;
 mod own_domain;

@@ -270,7 +270,7 @@ fn denoise_field(
 }
 
 /// Adds the noise of a series and a table of what became of its bands along time.
-fn describe_series(text: &mut String, axis: &TimeAxis, info: &SeriesNoise) {
+pub(crate) fn describe_series(text: &mut String, axis: &TimeAxis, info: &SeriesNoise) {
     let [before, after] = info.risk.map(f64::sqrt);
     let _ = writeln!(
         text,

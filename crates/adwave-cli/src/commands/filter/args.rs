@@ -32,6 +32,8 @@ Examples:
   adwave filter volume.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --only values=5..
   adwave filter dem.tif -o plain.tif --lengths 100 --gains 0 --value-type f32
   adwave filter bold.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --time-fwhm 4s
+  adwave filter rest.dtseries.nii -o smooth.dtseries.nii --surface white_left.gii.gz \\
+    --fwhm 6 --preset suppress
   adwave filter flow.ply -o calm.ply --signal wind --directions vectors \\
     --fwhm 5% --preset suppress
   adwave filter dti.nii.gz -o smooth.nii.gz --tensors fsl --fwhm 4 --preset suppress

@@ -1,4 +1,5 @@
-//! The filtered signal of an array of many channels, which is read and written a group of columns at a time.
+//! The filtered signal of many channels, a group of channels at a time: of an array that is read and written by columns, or
+//! of an image or a volume whose numbers would take twice the memory in 64 bits.
 
 use super::compute::{
     EditedGroup, Filtered, LevelsAndLayers, SignalChange, edited_parts, levels_and_layers, schedule,
@@ -12,7 +13,11 @@ use crate::resolve::operator::{SignalParts, build_decomposer, note_outsiders};
 use crate::resolve::region::note_region;
 use crate::resolve::signal::{KEEP_SENTINELS, Signal, SignalValues, note_unknown};
 use adwave::{Decomposer, Progress};
-use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError, mark_unknown};
+use adwave_io::{
+    Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, WriteError,
+    mark_unknown,
+};
+use std::ops::Range;
 use std::path::Path;
 
 /// Bytes of the values of a group; the result takes as many.
@@ -21,40 +26,131 @@ const GROUP_BYTES: usize = 256 << 20;
 /// Divisor of the number of channels of a group, so that no block of the products is narrow.
 const GROUP_OF: usize = 64;
 
-/// Filters the signal of a job from one file into another.
+/// Source of the channels of a signal that is filtered in groups.
+pub(super) enum Columns {
+    /// An array in a file, which goes into another file of its kind.
+    Array(NpyColumns),
+    /// The values of the image or volume itself.
+    OfGrid,
+}
+
+impl Columns {
+    /// Number of channels.
+    pub(super) fn n_channels(&self, file: &ShapeFile) -> usize {
+        match self {
+            Self::Array(columns) => columns.n_channels(),
+            Self::OfGrid => file.field(GRID_VALUES).map_or(0, |field| field.n_channels),
+        }
+    }
+
+    /// Values of some channels, one row for each place.
+    fn read(
+        &self,
+        file: &ShapeFile,
+        channels: Range<usize>,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, CliError> {
+        match self {
+            Self::Array(columns) => Ok(columns.read(channels, progress)?),
+            Self::OfGrid => {
+                let field = file.field(GRID_VALUES).expect("an image or a volume has values");
+                let row = |i: usize| channels.clone().map(move |c| field.get(i, c));
+                Ok((0..field.len()).flat_map(row).collect())
+            }
+        }
+    }
+}
+
+/// Filters the signal of a job, group after group.
 pub(super) fn compute_by_columns(
     job: &FilterJob<'_>,
-    columns: &NpyColumns,
+    columns: &Columns,
     global: &Global<'_>,
 ) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
         let decomposer = build_decomposer(&job.input, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), &job.input, global);
-        let write = |path: &Path| write_groups(job, columns, &decomposer, path, global, progress);
-        global.files.write_with(job.result.path(), write)
+        let (n_rows, n_channels) = (job.input.shape.n_vertices(), columns.n_channels(&job.input.file));
+        let Columns::Array(_) = columns else {
+            let mut values = Values::new(job, n_rows * n_channels);
+            let mut filtered = visit_groups(job, columns, &decomposer, global, progress, |at, group| {
+                values.place(at, group, n_channels);
+                Ok(())
+            })?;
+            let field = Field::new(GRID_VALUES, n_channels, values.into_field());
+            filtered.edited = EditedSignal::Field { field, channel_names: Vec::new() };
+            return Ok(filtered);
+        };
+        global.files.write_with(job.result.path(), |path: &Path| {
+            // Errors name the file that the staged one will replace.
+            let failed = |error: WriteError| CliError::from(error.about_file(job.result.path()));
+            let mut writer = NpyColumnsWriter::begin(path, n_rows, n_channels).map_err(failed)?;
+            let filtered = visit_groups(job, columns, &decomposer, global, progress, |at, group| {
+                writer.write(at, group, progress.quiet()).map_err(failed)
+            })?;
+            writer.finish(progress.quiet()).map_err(failed)?;
+            Ok(filtered)
+        })
     })
 }
 
-/// Filters group after group into the file at `path`.
-fn write_groups(
+/// New values of an image or a volume, in 32 bits if its file has these.
+enum Values {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+}
+
+impl Values {
+    fn new(job: &FilterJob<'_>, n: usize) -> Self {
+        match job.input.file.field(GRID_VALUES).map(|field| field.values.value_type()) {
+            Some(ValueType::F32) if job.input.file.value_type() != Some(ValueType::F64) => {
+                Self::Single(vec![0.0; n])
+            }
+            _ => Self::Double(vec![0.0; n]),
+        }
+    }
+
+    /// Puts the channels of a group from channel `at` on into their places.
+    fn place(&mut self, at: usize, group: &[f64], n_channels: usize) {
+        let n_rows = match self {
+            Self::Single(values) => values.len() / n_channels,
+            Self::Double(values) => values.len() / n_channels,
+        };
+        let width = group.len() / n_rows;
+        for (row, values) in group.chunks_exact(width).enumerate() {
+            let range = row * n_channels + at..row * n_channels + at + width;
+            match self {
+                Self::Single(all) => all[range].iter_mut().zip(values).for_each(|(a, v)| *a = *v as f32),
+                Self::Double(all) => all[range].copy_from_slice(values),
+            }
+        }
+    }
+
+    fn into_field(self) -> FieldValues {
+        match self {
+            Self::Single(values) => FieldValues::F32(values),
+            Self::Double(values) => FieldValues::F64(values),
+        }
+    }
+}
+
+/// Filters group after group, and calls `write` with the first channel and the new values of each.
+fn visit_groups(
     job: &FilterJob<'_>,
-    columns: &NpyColumns,
+    columns: &Columns,
     decomposer: &Decomposer,
-    path: &Path,
     global: &Global<'_>,
     progress: Progress<'_>,
+    mut write: impl FnMut(usize, &[f64]) -> Result<(), CliError>,
 ) -> Result<Filtered, CliError> {
-    let (n_rows, n_channels) = (columns.n_rows(), columns.n_channels());
+    let (n_rows, n_channels) = (job.input.shape.n_vertices(), columns.n_channels(&job.input.file));
     let together =
         (GROUP_BYTES / (8 * n_rows.max(1)) / GROUP_OF * GROUP_OF).clamp(GROUP_OF, n_channels.max(GROUP_OF));
-    // Errors name the file that the staged one will replace.
-    let failed = |error: WriteError| CliError::from(error.about_file(job.result.path()));
-    let mut writer = NpyColumnsWriter::begin(path, n_rows, n_channels).map_err(failed)?;
     let mut filtered: Option<Filtered> = None;
     for at in (0..n_channels).step_by(together) {
         progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
         let channels = at..(at + together).min(n_channels);
-        let mut values = columns.read(channels.clone(), progress.quiet())?;
+        let mut values = columns.read(&job.input.file, channels.clone(), progress.quiet())?;
         let unknown = if global.given.has(KEEP_SENTINELS) {
             Vec::new()
         } else {
@@ -96,9 +192,8 @@ fn write_groups(
             filtered.add_accuracy(accuracy);
         }
         signal.restore_unknown(&mut values);
-        writer.write(at, &values, progress.quiet()).map_err(failed)?;
+        write(at, &values)?;
     }
     progress.step(n_channels as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
-    writer.finish(progress.quiet()).map_err(failed)?;
     Ok(filtered.expect("an array of many channels has a group"))
 }

@@ -2,6 +2,7 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
+use super::columns::Columns;
 use crate::args::QuantityArgs;
 use crate::commands::result_file::{ResultFile, set_value_type};
 use crate::error::CliError;
@@ -22,8 +23,11 @@ use adwave::operator::{EndPoints, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, jumps_at_seams};
 use adwave::{LevelSpec, MANY_CHANNELS};
-use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
+use adwave_io::{GRID_VALUES, MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
+
+/// Number of values of an image or a volume from which on its channels are filtered in groups: 1 GiB in 64 bits.
+const LARGE: usize = 1 << 27;
 
 /// A filter with its shape and signal.
 pub(super) struct FilterJob<'a> {
@@ -32,8 +36,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) signal_name: String,
     /// The signal, without values if they are read by columns.
     pub(super) signal: Signal,
-    /// The file of a signal of many channels, which are read and written a group at a time.
-    pub(super) columns: Option<NpyColumns>,
+    /// The source of a signal of many channels, which are filtered a group at a time.
+    pub(super) columns: Option<Columns>,
     pub(super) operator: OperatorParams,
     pub(super) levels: FilterLevels,
     /// Meaning of the numbers of the signal.
@@ -112,7 +116,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let mut signal = match &columns {
         Some(columns) => {
             global.inputs.add_signal(&signal_name, None);
-            Signal::new(columns.n_channels(), SignalValues::Other(Vec::new()))
+            Signal::new(columns.n_channels(&input.file), SignalValues::Other(Vec::new()))
         }
         None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
     };
@@ -136,7 +140,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         _ => operator,
     };
     // Heat alone keeps the sum of an image, and is the Gaussian that its users know.
-    let usual = if input.file.grid().is_some() { LocalFit::Constant } else { LocalFit::Linear };
+    let usual = if input.file.carries_values() { LocalFit::Constant } else { LocalFit::Linear };
     let fit = resolve_local_fit(args, recipe, &signal_name, positions, usual)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
@@ -229,7 +233,7 @@ fn columns_of_signal(
     input: &Input,
     name: &str,
     result: ResultFile<'_>,
-) -> Option<NpyColumns> {
+) -> Option<Columns> {
     let (path, output) = (Path::new(name), result.path());
     let is_array = has_extension(path, &["npy"]) && has_extension(output, &["npy"]);
     // A pipe or a device takes bytes in order.
@@ -239,13 +243,18 @@ fn columns_of_signal(
         && args.signal.texture.is_none()
         && !args.as_labels
         && !args.labels.as_numbers;
-    let is_of_shape = input.file.field(name).is_some() || input.file.file_rows().is_some();
+    let own = input.file.field(name);
+    if input.file.grid().is_some() && name == GRID_VALUES && is_plain && !has_extension(output, &["npy"]) {
+        let is_large = own.is_some_and(|f| f.n_channels >= MANY_CHANNELS && f.values.len() >= LARGE);
+        return is_large.then_some(Columns::OfGrid);
+    }
+    let is_of_shape = own.is_some() || input.file.file_rows().is_some();
     if !is_array || !is_file || !is_plain || is_of_shape || input.mesh_of_cells.is_some() {
         return None;
     }
     let columns = NpyColumns::open(path).ok().flatten()?;
     let fits = columns.n_rows() == input.shape.n_vertices() && columns.n_channels() >= MANY_CHANNELS;
-    fits.then_some(columns)
+    fits.then_some(Columns::Array(columns))
 }
 
 /// The widths of levels, which the flags or a recipe give.

@@ -21,7 +21,10 @@ use crate::resolve::walk::with_given_walk;
 use adwave::operator::{Semigroup, SurfaceInfo};
 use adwave::shape::{Health, PreparedGeometry, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
-use adwave_io::{CloudLevels, Field, Format, GraphChanges, GridLayout, LengthUnit, ReadError, cloud_levels};
+use adwave_io::{
+    BrainLayout, BrainPart, BrainPlaces, CloudLevels, Field, Format, GraphChanges, GridLayout, LengthUnit,
+    ReadError, cloud_levels,
+};
 use adwave_subdivision::{Hierarchy, SubdivisionError};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
@@ -58,7 +61,7 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
     input.check_lengths(&args.given_lengths())?;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare(global, &input, &operator)?;
-    let health = input.file.grid().is_none().then(|| decomposer.health());
+    let health = (!input.file.carries_values()).then(|| decomposer.health());
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let detail = if args.needs_detail() {
         let measured = detail::measure(&input, &decomposer, &levels.schedule, &params, global)?;
@@ -134,6 +137,9 @@ impl ShapeFacts {
         let mut text = format!("{}: {}, {}\n", input.name, input.kind_name(), self.format_name());
         if let Some(grid) = input.file.grid() {
             text += &grid_lines(grid);
+        }
+        if let Some(brain) = input.file.brain() {
+            text += &brain_lines(brain);
         }
         if let Some(health) = health {
             health_lines(&mut text, &input.shape, health);
@@ -226,6 +232,7 @@ impl ShapeFacts {
             })),
             "provenance": input.file.provenance().map(provenance_json),
             "grid": input.file.grid().map(grid_json),
+            "parts": input.file.brain().map(parts_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),
             "extent": diagonal,
@@ -338,6 +345,30 @@ fn outsiders_json(decomposer: &Decomposer, input: &Input) -> Value {
 }
 
 /// Lines on the diffusion operator.
+/// A line for each part of a brain.
+fn brain_lines(brain: &BrainLayout) -> String {
+    let mut text = String::new();
+    for part in &brain.parts {
+        let places = match &part.places {
+            BrainPlaces::Surface { n_vertices, .. } => format!("of {n_vertices} vertices"),
+            _ => "voxels".to_owned(),
+        };
+        let _ = writeln!(text, "  part          {}, {} {places}", part.structure, part.rows.len());
+    }
+    text
+}
+
+fn parts_json(brain: &BrainLayout) -> Value {
+    let part = |part: &BrainPart| {
+        let n_vertices = match part.places {
+            BrainPlaces::Surface { n_vertices, .. } => Some(n_vertices),
+            _ => None,
+        };
+        json!({"structure": part.structure, "first": part.rows.start, "rows": part.rows.len(), "vertices": n_vertices})
+    };
+    brain.parts.iter().map(part).collect()
+}
+
 fn diffusion_text(decomposer: &Decomposer, shape: &Shape) -> String {
     let params = decomposer.operator_params();
     if decomposer.geometry().is_none() && matches!(decomposer.operator().semigroup(), Semigroup::Heat { .. })

@@ -23,6 +23,22 @@ pub(crate) fn is_nifti(bytes: &[u8]) -> bool {
     magic(4, b"n+2\0") || magic(344, b"n+1\0")
 }
 
+/// The numbers of a CIFTI: their type and place.
+pub(super) struct CiftiHead {
+    /// Byte of the first number of the file.
+    pub(super) start: usize,
+    /// Bytes of all numbers of the file.
+    pub(super) n_bytes: usize,
+    pub(super) n_columns: usize,
+    pub(super) n_rows: usize,
+    pub(super) kind: ValueType,
+    pub(super) order: ByteOrder,
+    /// Slope and intercept.
+    pub(super) scale: [f64; 2],
+    /// True if the numbers are not the values themselves.
+    pub(super) is_scaled: bool,
+}
+
 /// Numbers of one surface in a CIFTI.
 pub(super) struct CiftiNumbers {
     pub(super) model: BrainModel,
@@ -32,17 +48,7 @@ pub(super) struct CiftiNumbers {
     step: Option<f64>,
     /// Names of the columns, if they have any.
     names: Option<Vec<String>>,
-    /// Byte of the first number of the file.
-    pub(super) start: usize,
-    /// Bytes of all numbers of the file.
-    pub(super) n_bytes: usize,
-    pub(super) n_columns: usize,
-    pub(super) kind: ValueType,
-    pub(super) order: ByteOrder,
-    /// Slope and intercept.
-    pub(super) scale: [f64; 2],
-    /// True if the numbers are not the values themselves.
-    pub(super) is_scaled: bool,
+    pub(super) head: CiftiHead,
 }
 
 /// Reads the values of the surface with `n_vertices` vertices and, if known, this structure.
@@ -54,8 +60,8 @@ pub(crate) fn read_cifti(
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
     let found = locate_numbers(bytes, structure, n_vertices, limits, progress)?;
-    let data = &bytes[found.start..found.start + found.n_bytes];
-    let values = Numbers::Bytes { bytes: data.into(), kind: found.kind, order: found.order };
+    let CiftiHead { start, n_bytes, kind, order, .. } = found.head;
+    let values = Numbers::Bytes { bytes: (&bytes[start..start + n_bytes]).into(), kind, order };
     fields(&found, &values, n_vertices, progress)
 }
 
@@ -67,6 +73,23 @@ pub(super) fn locate_numbers(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<CiftiNumbers, ReadError> {
+    let (head, maps) = read_head(bytes, progress)?;
+    let CiftiMaps { models, columns, step, names, .. } = maps;
+    let (model, n_rows) = (select_model(models, structure, n_vertices)?, head.n_rows);
+    let end = model.first.checked_add(model.vertices.len() as u64);
+    if end.is_none_or(|end| end > n_rows as u64) {
+        let structure = &model.structure;
+        let message =
+            format!("the rows of {structure} lie outside the {n_rows} rows of the file; get the whole file");
+        return Err(ReadError::Whole(message));
+    }
+    // The file may have values for few of the vertices.
+    limits.check_bytes((n_vertices as u64).saturating_mul(head.n_columns as u64).saturating_mul(8))?;
+    Ok(CiftiNumbers { model, columns, step, names, head })
+}
+
+/// Reads the header and the XML.
+pub(super) fn read_head(bytes: &[u8], progress: Progress<'_>) -> Result<(CiftiHead, CiftiMaps), ReadError> {
     let cut = || ReadError::byte_error(bytes.len(), "the file ends too early; get the whole file");
     if !bytes[4..].starts_with(b"n+2") {
         let message = "this NIfTI-1 file is not a CIFTI and has no vertices; use values on a surface";
@@ -102,37 +125,17 @@ pub(super) fn locate_numbers(
         })?,
         progress,
     )?;
-    let CiftiMaps { models, columns, step, names } = maps;
-    let model = select_model(models, structure, n_vertices)?;
     let start = usize::try_from(length(168)?).map_err(|_| cut())?;
     let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
     let data = n_bytes.and_then(|n| bytes.get(start..)?.get(..usize::try_from(n).ok()?)).ok_or_else(cut)?;
-    let end = model.first.checked_add(model.vertices.len() as u64);
-    if n_columns == 0 || end.is_none_or(|end| end > n_rows) {
-        let structure = &model.structure;
-        let message =
-            format!("the rows of {structure} lie outside the {n_rows} rows of the file; get the whole file");
-        return Err(ReadError::Whole(message));
+    if n_columns == 0 || n_rows == 0 {
+        return Err(ReadError::Whole("the CIFTI has no values; get the whole file".into()));
     }
-    // The file may have values for few of the vertices.
-    limits.check_bytes((n_vertices as u64).saturating_mul(n_columns).saturating_mul(8))?;
     let scale = [176, 184].map(|at| f64::from_bytes(&bytes[at..], order));
     let [slope, intercept] = scale;
     let is_scaled = slope.is_finite() && slope != 0.0 && (slope, intercept) != (1.0, 0.0);
-    let n_bytes = data.len();
-    Ok(CiftiNumbers {
-        model,
-        columns,
-        step,
-        names,
-        start,
-        n_bytes,
-        n_columns: n_columns as usize,
-        kind,
-        order,
-        scale,
-        is_scaled,
-    })
+    let (n_bytes, n_columns, n_rows) = (data.len(), n_columns as usize, n_rows as usize);
+    Ok((CiftiHead { start, n_bytes, n_columns, n_rows, kind, order, scale, is_scaled }, maps))
 }
 
 /// XML in the extensions of the header.
@@ -193,8 +196,8 @@ fn fields(
     n_vertices: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    let CiftiNumbers { model, names, n_columns, is_scaled, scale: [slope, intercept], .. } = found;
-    let (n_columns, is_scaled) = (*n_columns, *is_scaled);
+    let CiftiNumbers { model, names, head, .. } = found;
+    let CiftiHead { n_columns, is_scaled, scale: [slope, intercept], .. } = *head;
     let mut rows = vec![None; n_vertices];
     for (i, &vertex) in model.vertices.iter().enumerate() {
         rows[vertex as usize] = Some(model.first as usize + i);

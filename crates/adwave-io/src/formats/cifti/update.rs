@@ -3,7 +3,7 @@
 use adwave::Progress;
 
 use super::CIFTI;
-use super::read::{CiftiNumbers, locate_numbers};
+use super::read::{CiftiHead, CiftiNumbers, locate_numbers};
 use super::write::CiftiColumns;
 use crate::model::f32_limits::check_range;
 use crate::model::format_descriptor::ValuesEdit;
@@ -21,7 +21,8 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         Progress::none(),
     );
     let Ok(found) = found else { return Ok(None) };
-    let CiftiNumbers { ref model, columns, n_columns, order, .. } = found;
+    let CiftiNumbers { model, columns, head, .. } = found;
+    let CiftiHead { n_columns, order, start, .. } = head;
     let asked = CiftiColumns::from_path(edit.path);
     let field = edit.field;
     let fits = field.n_channels == n_columns && field.len() == edit.size.n_vertices;
@@ -29,7 +30,7 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         return Ok(None);
     }
     let value = |i: usize| field.values.get(i);
-    let (kind, mut out) = with_floats(bytes, &found);
+    let (kind, mut out) = with_floats(bytes, &head);
     if kind == ValueType::F32 {
         check_range(
             CIFTI.format,
@@ -47,20 +48,48 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         }
         let mut row = Vec::with_capacity(row_bytes);
         (0..n_columns).for_each(|c| numbers.write_bytes(c, order, &mut row));
-        let at = found.start + (model.first as usize + k) * row_bytes;
+        let at = start + (model.first as usize + k) * row_bytes;
         out[at..at + row_bytes].copy_from_slice(&row);
     }
     Ok(Some(out))
 }
 
+/// Type of the floats that hold edited values of a file of that type.
+pub(super) fn float_type(kind: ValueType, is_scaled: bool) -> ValueType {
+    match kind {
+        ValueType::F32 | ValueType::F64 if !is_scaled => kind,
+        ValueType::F32 => ValueType::F32,
+        _ if kind.n_bytes() < 4 => ValueType::F32,
+        _ => ValueType::F64,
+    }
+}
+
+impl CiftiHead {
+    /// Changes the header so that it states floats of this type without a scale.
+    pub(super) fn state_floats(&self, floats: ValueType, header: &mut [u8]) {
+        if floats == self.kind && !self.is_scaled {
+            return;
+        }
+        let code = if floats == ValueType::F32 { 16_i16 } else { 64 };
+        let mut put = |at: usize, text: FieldValues| {
+            let mut number = Vec::new();
+            text.write_bytes(0, self.order, &mut number);
+            header[at..at + number.len()].copy_from_slice(&number);
+        };
+        put(12, FieldValues::I16(vec![code]));
+        put(14, FieldValues::I16(vec![8 * floats.n_bytes() as i16]));
+        put(176, FieldValues::F64(vec![1.0]));
+        put(184, FieldValues::F64(vec![0.0]));
+    }
+}
+
 /// Bytes of the file with all numbers as floats without a scale, and the type of these floats.
-fn with_floats(bytes: &[u8], found: &CiftiNumbers) -> (ValueType, Vec<u8>) {
-    let CiftiNumbers { kind, order, start, n_bytes, is_scaled, scale: [slope, intercept], .. } = *found;
-    if matches!(kind, ValueType::F32 | ValueType::F64) && !is_scaled {
+fn with_floats(bytes: &[u8], head: &CiftiHead) -> (ValueType, Vec<u8>) {
+    let CiftiHead { kind, order, start, n_bytes, is_scaled, scale: [slope, intercept], .. } = *head;
+    let floats = float_type(kind, is_scaled);
+    if floats == kind && !is_scaled {
         return (kind, bytes.to_vec());
     }
-    let is_short = kind == ValueType::F32 || kind.n_bytes() < 4;
-    let (floats, code) = if is_short { (ValueType::F32, 16_i16) } else { (ValueType::F64, 64) };
     let data = Numbers::Bytes { bytes: (&bytes[start..start + n_bytes]).into(), kind, order };
     let mut values = floats.empty();
     for k in 0..n_bytes / kind.n_bytes() {
@@ -68,15 +97,7 @@ fn with_floats(bytes: &[u8], found: &CiftiNumbers) -> (ValueType, Vec<u8>) {
         values.push_f64(if is_scaled { slope * x + intercept } else { x });
     }
     let mut out = bytes[..start].to_vec();
-    let mut put = |at: usize, text: FieldValues| {
-        let mut number = Vec::new();
-        text.write_bytes(0, order, &mut number);
-        out[at..at + number.len()].copy_from_slice(&number);
-    };
-    put(12, FieldValues::I16(vec![code]));
-    put(14, FieldValues::I16(vec![8 * floats.n_bytes() as i16]));
-    put(176, FieldValues::F64(vec![1.0]));
-    put(184, FieldValues::F64(vec![0.0]));
+    head.state_floats(floats, &mut out);
     (0..values.len()).for_each(|k| values.write_bytes(k, order, &mut out));
     out.extend_from_slice(&bytes[start + n_bytes..]);
     (floats, out)
