@@ -54,9 +54,9 @@ fn each_part_is_filtered_by_itself() {
         assert_eq!(before[20 + c], after[20 + c]);
     }
     assert!(largest_difference(&before[14..20], &after[14..20]) > 0.01);
-    let said = adwave(path)
-        .args(words(&format!("info a.dscalar.nii --surface lh.white.obj --surface CORTEX_RIGHT=rh.obj")));
-    let said = String::from_utf8({ said }.assert().success().get_output().stdout.clone()).unwrap();
+    let line = "info a.dscalar.nii --surface lh.white.obj --surface CORTEX_RIGHT=rh.obj";
+    let output = adwave(path).args(words(line)).assert().success().get_output().clone();
+    let said = String::from_utf8(output.stdout).unwrap();
     assert!(
         said.contains("CORTEX_LEFT, 3 of 4 vertices") && said.contains("THALAMUS_LEFT, 3 voxels"),
         "{said}"

@@ -218,8 +218,8 @@ fn denoise_cloud(
         !is_outlier[x] && norm(&subtract(&found.points[x], &points[x])) > FAR * noise.by_point[x]
     });
     let info = DenoiseInfo {
-        noise: noise.typical * unit,
-        noise_in_edges: near.in_mean_distances(&points, noise.typical, progress)?,
+        noise: noise.overall * unit,
+        noise_in_edges: near.in_mean_distances(&points, noise.overall, progress)?,
         kept: found.kept,
         n_sampled: points.len(),
         n_far: n_far.count(),

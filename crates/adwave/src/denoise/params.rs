@@ -190,8 +190,8 @@ impl DenoiseParams {
 /// Assumed noise, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseInfo {
-    /// Standard deviation of the noise along the normals in model units, estimated or given; of a curve the root mean
-    /// square of the axes with noise.
+    /// Standard deviation of the noise along the normals in model units, estimated or given; of a cloud whose noise differs
+    /// by place its root mean square over the points, of a curve that of the axes with noise.
     pub noise: f64,
     /// Standard deviation in mean edge lengths of a mesh or of the denoised curve, or mean neighbor distances of a cloud.
     pub noise_in_edges: f64,
@@ -267,7 +267,7 @@ pub struct MeshDenoising {
 pub struct CloudDenoising {
     /// The 5 % and the 95 % quantile of the noise over the points.
     pub noise_range: [f64; 2],
-    /// Interval around the median of the noise that holds the true one in nine of ten generated clouds; the noise twice
+    /// Interval around the noise that holds the true one in nine of ten generated clouds; the noise twice
     /// if it is given.
     #[serde(default)]
     pub noise_interval: [f64; 2],

@@ -87,6 +87,9 @@ const LINE_RATIO: f64 = 0.05;
 /// less harm at edges.
 const CAUTION: f64 = 1.13;
 
+/// Share of the points whose noise counts no more than that of the last of the others: corners of shapes look like noise.
+const NOISIEST: f64 = 0.9;
+
 /// Interval of the true noise relative to the noise found in 9 of 10 of the generated smooth clouds and clouds with edges,
 /// with noise of 0.05 to 3 spacings.
 const TRUE_OF_WEAK: [f64; 2] = [0.6, 1.8];
@@ -112,8 +115,10 @@ pub(super) struct CloudNoise {
     patches: Patches,
     /// True if points of patches move by these alone.
     is_strong: bool,
-    /// Median of the noise.
+    /// Median of the noise, which places with much noise hardly affect.
     pub(super) typical: f64,
+    /// Root mean square of the noise over the points, as it is reported.
+    pub(super) overall: f64,
     /// Interval around it that holds the true one in nine of ten clouds.
     interval: [f64; 2],
 }
@@ -141,13 +146,16 @@ impl CloudNoise {
         let mut known: Vec<f64> =
             (0..points.len()).filter(|&x| !near.row(x).is_empty()).map(|x| by_point[x]).collect();
         let typical = CAUTION * median(&mut known);
+        let most = quantile(&mut known, NOISIEST);
+        let square: f64 = known.iter().map(|level| level.min(most).powi(2)).sum();
+        let overall = CAUTION * (square / known.len().max(1) as f64).sqrt();
         let factors = match (given, strong) {
             (Some(_), _) => [1.0; 2],
             (None, Some(_)) => TRUE_OF_STRONG,
             (None, None) => TRUE_OF_WEAK,
         };
-        let interval = factors.map(|factor| factor * typical);
-        Ok(Self { typical, interval, by_point, residuals, patches, is_strong: strong.is_some() })
+        let interval = factors.map(|factor| factor * overall);
+        Ok(Self { typical, overall, interval, by_point, residuals, patches, is_strong: strong.is_some() })
     }
 
     /// Standard deviation of the noise at each point, times `unit`.
