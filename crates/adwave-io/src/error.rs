@@ -209,6 +209,9 @@ pub enum WriteError {
         /// Shape given.
         shape: Vec<usize>,
     },
+    /// Frames are no animation of the shape.
+    #[error("{0}")]
+    Frames(String),
 }
 
 impl From<io::Error> for WriteError {
@@ -231,7 +234,8 @@ impl ClassifiedError for WriteError {
             | Self::CannotHold { .. }
             | Self::Misfit { .. }
             | Self::ReadOnly { .. }
-            | Self::ArrayShape { .. } => ErrorKind::Input,
+            | Self::ArrayShape { .. }
+            | Self::Frames(_) => ErrorKind::Input,
         }
     }
 }

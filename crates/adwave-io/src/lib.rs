@@ -13,6 +13,8 @@
 //! it. Arrays are read from NPY and written as NPY and NPZ. Lists of edges and matrices that are too large for a shape
 //! are read as streams into sparse rows: [`read_edge_rows`], [`read_matrix_market`], [`open_text`].
 //!
+//! [`read_gltf_animation`] and [`write_glb_animation`] read and write shapes that move, as morph targets of a glTF.
+//!
 //! All files may be compressed by gzip.
 //!
 //! # Map
@@ -81,6 +83,8 @@ pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 #[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
+#[cfg(feature = "gltf")]
+pub use formats::gltf::animation::ShapeFrames;
 #[cfg(feature = "graph")]
 pub use formats::graph::edge_rows::{EdgeRows, read_edge_rows};
 #[cfg(feature = "las")]
@@ -119,6 +123,8 @@ pub use pose::{DetailClone, Pose, PoseHandle};
 pub use provenance::{Provenance, ProvenanceInput};
 pub use recipe::{Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
+#[cfg(feature = "gltf")]
+pub use registry::animation::{read_gltf_animation, write_glb_animation};
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values, rewrite_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};

@@ -143,6 +143,22 @@ fn sparse_and_quantized_positions() {
 }
 
 #[test]
+fn rows_of_a_sparse_accessor_have_unsigned_indices() {
+    // The signed index is the last byte of the buffer.
+    let text = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}}],\
+         \"accessors\":[{{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{{\"count\":1,\
+         \"indices\":{{\"bufferView\":0,\"componentType\":5120}},\"values\":{{\"bufferView\":1}}}}}}],\
+         \"bufferViews\":[{{\"buffer\":0,\"byteOffset\":12,\"byteLength\":1}},{{\"buffer\":0,\"byteLength\":12}}],\
+         \"buffers\":[{{\"byteLength\":13,\"uri\":\"{}\"}}]}}",
+        data(&[0; 13])
+    );
+    let error = try_read(&text).unwrap_err().to_string();
+    assert!(error.contains("indices are not unsigned integers"), "{error}");
+    assert_eq!(read(&text.replace("5120", "5121")).points(), [[0.0; 3]; 3]);
+}
+
+#[test]
 fn what_cannot_be_read_is_said_in_one_line() {
     let text = triangle(r#"[{"mesh":0}]"#, "[0]");
     for (from, to, said) in [

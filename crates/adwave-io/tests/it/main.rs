@@ -11,6 +11,7 @@ mod fields;
 mod freesurfer;
 mod gifti;
 mod gltf;
+mod gltf_animation;
 mod graph_names;
 mod grids;
 mod las_write;

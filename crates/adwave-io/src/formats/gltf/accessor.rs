@@ -199,8 +199,10 @@ impl Accessor {
         else {
             return Err(wrong(self.index, "replaces numbers without naming their rows"));
         };
-        let kind = at.index_of("componentType").and_then(value_type).filter(|t| t.is_integer());
-        let kind = kind.ok_or_else(|| wrong(self.index, "replaces rows whose indices are not integers"))?;
+        let is_unsigned = |t: &ValueType| matches!(t, ValueType::U8 | ValueType::U16 | ValueType::U32);
+        let kind = at.index_of("componentType").and_then(value_type).filter(is_unsigned);
+        let kind =
+            kind.ok_or_else(|| wrong(self.index, "replaces rows whose indices are not unsigned integers"))?;
         let row = self.n_channels * size_of::<T>();
         let view = |json: &Json, size: usize| {
             let view = json.index_of("bufferView").ok_or_else(|| wrong(self.index, "replaces nothing"))?;

@@ -7,10 +7,11 @@
 //! accessors, and written back into their places or behind them.
 //!
 //! Points are those of the scene: each mesh where its nodes put it. Primitives that share their attributes share
-//! vertices. The places of skinned meshes are those of the mesh before joints move it; morph targets are not applied.
-//! Texture coordinates have v upwards, as in all other formats (the file's own v goes down).
+//! vertices. The places of skinned meshes are those of the mesh before joints move it; morph targets are applied by
+//! `animation` alone. Texture coordinates have v upwards, as in all other formats (the file's own v goes down).
 
 pub(crate) mod accessor;
+pub(crate) mod animation;
 pub(crate) mod document;
 pub(crate) mod json;
 pub(crate) mod matrix;

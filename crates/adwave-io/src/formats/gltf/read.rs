@@ -70,7 +70,7 @@ pub(crate) fn read_gltf(
 }
 
 /// Collects the vertices of the scene, mesh by mesh.
-fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<VertexGroup>, ReadError> {
+pub(crate) fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<VertexGroup>, ReadError> {
     let mut parts: Vec<VertexGroup> = Vec::new();
     let mut first = 0;
     for instance in instances(document)? {
