@@ -33,6 +33,7 @@ REFERENCE = {
     "_walk": "Walks on graphs and points",
     "_grid": "Images and volumes",
     "_time": "Time",
+    "_union": "Several domains as one",
     "_sequence": "Animations",
     "_vectors": "Directions and tensors",
     "_impute": "Averages over similar cells",

@@ -100,6 +100,26 @@ impl Prepared {
         Ok(Self { decomposer: grid_decomposer(py, options)?, normals: None, shape })
     }
 
+    /// Some vertices in an order of their own, between which nothing flows where their labels differ.
+    fn part(
+        &self,
+        py: Python<'_>,
+        vertices: PyReadonlyArray1<'_, u32>,
+        labels: PyReadonlyArray1<'_, u32>,
+    ) -> PyResult<Self> {
+        let (vertices, labels) = (vertices.as_slice()?, labels.as_slice()?);
+        let decomposer = run(py, vertices.len(), None, |p| self.decomposer.part(vertices, labels, p))?;
+        Ok(Self { decomposer, normals: None, shape: self.shape.clone_ref(py) })
+    }
+
+    /// Domains one after another. The shape has a vertex for each place, and names nothing.
+    #[staticmethod]
+    fn union(shape: Py<ShapeData>, parts: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
+        let parts: Vec<Decomposer> = parts.iter().map(|part| part.decomposer.clone()).collect();
+        let decomposer = Decomposer::union(&parts).map_err(|e| error::to_exception(&e))?;
+        Ok(Self { decomposer, normals: None, shape })
+    }
+
     /// The shape without some vertices.
     fn with_mask(&self, py: Python<'_>, flags: PyReadonlyArray1<'_, bool>) -> PyResult<Self> {
         let flags = flags.as_slice()?;

@@ -44,6 +44,7 @@ Whatever has bands goes in the place of `shape`, and has the same functions as m
 read(path), Shape(points, faces)            meshes and clouds; sample() and graph() make others
 walk(W, normalize="row"), point_walk(X)     random walks on graphs and on points of any dimension
 grid(array, spacing=h, mask=m)              images and volumes, also of nibabel, xarray, SimpleITK, rasterio
+union([left, right, grid])                  several of them as one, such as both hemispheres
 Decomposer(shape)                           any of them prepared once, for many requests
 ==========================================  ============================================================
 
@@ -82,6 +83,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_grid": ("Grid", "grid"),
     "_raster": ("Raster", "rasterize"),
     "_time": ("Time",),
+    "_union": ("union",),
     "_sequence": ("CleanSequence", "Sequence", "sequence"),
     "_vectors": ("Singularities", "TensorField", "VectorField", "tensors", "vectors"),
     "_impute": ("Imputation", "impute"),

@@ -62,6 +62,7 @@ from adwave._grid import grid as grid
 from adwave._raster import Raster as Raster
 from adwave._raster import rasterize as rasterize
 from adwave._time import Time as Time
+from adwave._union import union as union
 from adwave._sequence import CleanSequence as CleanSequence
 from adwave._sequence import Sequence as Sequence
 from adwave._sequence import sequence as sequence
@@ -175,6 +176,7 @@ __all__ = [
     "tensors",
     "threads",
     "transfer",
+    "union",
     "vectors",
     "walk",
 ]

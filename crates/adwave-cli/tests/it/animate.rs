@@ -53,7 +53,7 @@ fn jitter_is_found_and_removed() {
     let path = folder.path();
     let clean = write_frames(path, 0.01);
     let report = json(path, "animate walk -o out.npy --denoise --time-step 40ms");
-    assert_eq!((report["frames"].as_u64(), report["vertices"].as_u64()), (Some(16), Some(400)));
+    assert_eq!((report["frames"].as_u64(), report["vertices_per_frame"].as_u64()), (Some(16), Some(400)));
     let noise = report["denoise"]["noise"].as_f64().unwrap();
     assert!((noise / 0.01 - 1.0).abs() < 0.15, "{noise}");
     let left = rms(&read_frames(&path.join("out.npy")), &clean);
@@ -87,7 +87,7 @@ fn a_rigid_motion_leaves_nothing_that_moves() {
     let path = folder.path();
     write_frames(path, 0.0);
     let report = json(path, "animate walk -o still.npy --still --motion motion.ply --levels 3");
-    assert!((report["still"]["degrees"].as_f64().unwrap() - 43.0).abs() < 2.0);
+    assert!((report["still"]["degrees"].as_f64().unwrap() - 86.0).abs() < 1.0);
     let still = read_frames(&path.join("still.npy"));
     let center = |t: usize| -> f64 { still[t].iter().map(|p| p[0]).sum::<f64>() / 400.0 };
     assert!((center(15) - center(0)).abs() < 1e-9);
@@ -130,7 +130,7 @@ fn frames_come_back_in_the_form_that_is_asked_for() {
     // f2 stands before f10.
     for (t, clean) in clean.iter().enumerate() {
         let frame = read_path(&path.join(format!("again/f{}.obj", t + 1)), &ReadLimits::default()).unwrap();
-        assert!(rms(&[frame.points().to_vec()], std::slice::from_ref(clean)) < 1e-6);
+        assert!(rms(&[frame.points().to_vec()], std::slice::from_ref(clean)) < 1e-4);
     }
     json(path, "animate walk/f*.obj -o out/x*.ply");
     assert!(path.join("out/x0001.ply").is_file() && path.join("out/x0016.ply").is_file());
@@ -166,7 +166,17 @@ fn frames_that_do_not_fit_are_refused() {
     );
     fs::write(path.join("walk/f3.obj"), format!("v 0 0 0\n{text}")).unwrap();
     expect("animate walk -o a.npy", "it has 401 vertices where walk/f1.obj has 400");
-    fs::write(path.join("walk/f3.obj"), text.replacen("v ", "v nan 0 0\n# ", 1)).unwrap();
-    expect("animate walk -o a.npy", "1 vertex has no position");
     assert!(!path.join("a.npy").exists());
+    // A vertex without a position in one frame stays as it is in all.
+    fs::write(path.join("walk/f3.obj"), text.replacen("v ", "v nan 0 0\n# ", 1)).unwrap();
+    let output =
+        adwave(path).args(words("animate walk -o a.npy --denoise")).assert().success().get_output().clone();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("1 vertex has no position in some frames"), "{said}");
+    let held = read_frames(&path.join("a.npy"));
+    assert!(
+        held[2][0][0].is_nan()
+            && held.iter().all(|points| points[1..].iter().flatten().all(|c| c.is_finite()))
+    );
+    expect("animate walk -o one.ply", "there are 16 frames, and this is the name of one file");
 }

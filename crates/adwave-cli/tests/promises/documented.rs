@@ -402,7 +402,8 @@ fn written_files(line: &str) -> Vec<String> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_named =
         |pair: &&[&str]| ["-o", "--moved", "--picture", "--save-recipe"].contains(&pair[0]) && pair[1] != "-";
-    let names = words.windows(2).filter(is_named).map(|pair| pair[1].trim_matches(['"', '\'']).to_owned());
+    let names =
+        words.windows(2).filter(is_named).map(|pair| pair[1].trim_matches(['"', '\'']).replace('*', "0001"));
     if line.contains("--forecast") || line.contains("basis") || line.contains('$') {
         Vec::new()
     } else {

@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use adwave::shape::Polygons;
 use adwave::{ClassifiedError, ErrorKind, Progress, ProgressCounter};
 use adwave_io::{
-    Edges, Field, FieldValues, Format, GridLayout, ReadError, ReadLimits, ShapeFile, WriteError,
-    read_bytes_with, read_path_with, write_bytes, write_bytes_with, write_path_with,
+    CiftiColumns, Edges, Field, FieldValues, Format, GridLayout, ReadError, ReadLimits, ShapeFile,
+    WriteError, read_bytes_with, read_path, read_path_with, write_bytes, write_bytes_with,
+    write_cifti_fields, write_path_with,
 };
 
 /// A strip of triangles with a field.
@@ -31,8 +32,19 @@ fn image() -> ShapeFile {
     image
 }
 
+/// A CIFTI of one surface.
+fn brain() -> ShapeFile {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.dscalar.nii");
+    let field = Field::new("v", 10, FieldValues::F64((0..600_000).map(f64::from).collect()));
+    write_cifti_fields(&path, &[field], "CortexLeft", CiftiColumns::Scalars).unwrap();
+    read_path(&path, &ReadLimits::default()).unwrap()
+}
+
 fn shape_for(format: Format) -> ShapeFile {
-    if format.holds_grids() {
+    if format.holds_brains() {
+        brain()
+    } else if format.holds_grids() {
         image()
     } else if format.holds_graphs() {
         graph()

@@ -21,8 +21,8 @@ Output by extension:
 Examples:
   adwave animate 'walk/*.obj' -o clean --denoise --time-step 40ms
   adwave animate walk -o soft --time-fwhm 0.2 --time-step 40ms
-  adwave animate walk -o 'lively/*.ply' --gains 1,1,1.5,1.5           motion of large parts exaggerated
-  adwave animate walk -o walk.glb --still --motion motion.ply         without walking on; a map of what moves
+  adwave animate walk -o 'lively/*.ply' --gains 1,1,1.5,1.5     large motion exaggerated
+  adwave animate walk -o walk.glb --still --motion motion.ply   and a map of what moves
   adwave animate bust.obj --positions moves.npy -o calm.npy --time-fwhm 3")]
 pub(crate) struct AnimateArgs {
     /// Frames (see above)
@@ -61,7 +61,7 @@ pub(crate) struct AnimateArgs {
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) time: TimeArgs,
-    /// One gain for each band along time, fast to slow: 1 keeps the band, 0 drops it [default: 0 for each, which smooths]
+    /// A gain for each band along time, fast to slow; 0 drops a band [default: 0 for each, which smooths]
     #[arg(
         long,
         value_name = "G,G,…",

@@ -7,7 +7,7 @@ use crate::output::progress::with_progress;
 use crate::output::{count, has_extension, make_folder, note, output_format, write_file_with, write_shape};
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{
-    ArrayValues, MovedNormals, ReadError, ShapeFile, ShapeFrames, read_gltf_animation, read_npy,
+    ArrayValues, Format, MovedNormals, ReadError, ShapeFile, ShapeFrames, read_gltf_animation, read_npy,
     read_path_with, write_glb_animation, write_npy,
 };
 use std::cmp::Ordering;
@@ -137,6 +137,14 @@ impl Frames {
             Output::Array | Output::Glb => Ok(()),
             Output::Pattern => output_format(output).map(|_| ()),
             Output::Folder => {
+                if Format::from_path(output).is_some() {
+                    return Err(CliError::Input(format!(
+                        "{}: there are {} frames, and this is the name of one file; name a folder, a pattern such as \
+                         'out/*.ply', a .glb or a .npy",
+                        output.display(),
+                        self.points.len()
+                    )));
+                }
                 let Some(first) = self.names.first() else {
                     return Err(CliError::Input(format!(
                         "{}: a folder gets the names of the files that were read, and the frames are in one; write \
@@ -219,7 +227,7 @@ impl Output {
     fn new(path: &Path) -> Self {
         if path.to_string_lossy().contains('*') {
             Self::Pattern
-        } else if has_extension(path, &["glb"]) {
+        } else if Format::from_path(path) == Some(Format::GLB) {
             Self::Glb
         } else if has_extension(path, &["npy"]) {
             Self::Array

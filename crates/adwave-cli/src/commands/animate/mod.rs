@@ -18,7 +18,7 @@ use adwave::denoise::{DenoiseParams, denoise_series};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::time::TimeAxis;
 use adwave::{Decomposer, LevelSpec};
-use adwave_io::{Field, FieldValues, MovedNormals};
+use adwave_io::{Field, FieldValues, Format, MovedNormals};
 pub(crate) use args::AnimateArgs;
 use frames::{FrameSource, Frames};
 use serde_json::json;
@@ -44,7 +44,8 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     let (n_frames, n) = (frames.points.len(), frames.shape.n_vertices());
     let stated = frames.step;
     let step = given_step.or(stated).unwrap_or(STEP);
-    let needs_step = args.time.widths().is_some() || has_extension(&args.output, &["glb"]);
+    let is_glb = Format::from_path(&args.output) == Some(Format::GLB);
+    let needs_step = args.time.widths().is_some() || is_glb;
     if given_step.is_none() && stated.is_none() && needs_step {
         note(
             global,
@@ -61,13 +62,12 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
         count(n, "vertex", "vertices"),
         number(step)
     );
-    let mut report =
-        json!({"frames": n_frames, "vertices": n, "step": step, "output": args.output.display().to_string()});
+    let mut report = json!({"frames": n_frames, "vertices_per_frame": n, "step": step, "output": args.output.display().to_string()});
     let unknown = motion::unknown(&frames);
     if let Some(unknown) = &unknown {
         let n_unknown = unknown.iter().filter(|flag| **flag).count();
         let vertices = count(n_unknown, "vertex has", "vertices have");
-        note(global, &format!("{vertices} no position in some frames and keep what they have in all"));
+        note(global, &format!("{vertices} no position in some frames; these stay as they are in all"));
     }
     if args.still {
         let Some([turn, way]) = motion::take_motion_out(&mut frames, unknown.as_deref()) else {
@@ -143,7 +143,7 @@ fn check(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliError> {
             return Err(unsuitable_format(path, "maps of the motion are", &[]));
         }
     }
-    if has_extension(&args.output, &["glb", "npy"]) {
+    if has_extension(&args.output, &["npy"]) || Format::from_path(&args.output) == Some(Format::GLB) {
         check_writable(&args.output)?;
     }
     Ok(())
