@@ -176,9 +176,11 @@ impl SourceDocument for CiftiDocument {
             if bytes.len() >= BYTES_PER_STEP {
                 context.out.write_all(&bytes)?;
                 bytes.clear();
+                context.progress.step(k as u64, n as u64)?;
             }
         }
         context.out.write_all(&bytes)?;
+        context.progress.step(n as u64, n as u64)?;
         context.out.write_all(&self.after)?;
         context.report.report_vertex_fields(shape, &[BRAIN_VALUES]);
         Ok(Update::Written)
