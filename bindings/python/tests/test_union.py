@@ -2,10 +2,9 @@
 
 import pickle
 
+import adwave as aw
 import numpy as np
 import pytest
-
-import adwave as aw
 
 
 @pytest.fixture

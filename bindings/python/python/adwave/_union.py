@@ -17,11 +17,11 @@ from adwave._shape import Shape
 class UnionDecomposer(Decomposer):
     """A `Decomposer` of several domains, whose rows follow each other."""
 
-    __slots__ = ("_given", "_sizes")
+    __slots__ = ("_counts", "_given")
 
     #: The parts as they were given, from which a copy in another process is made.
     _given: tuple[object, ...]
-    _sizes: tuple[int, ...]
+    _counts: tuple[int, ...]
 
     def __init__(self, parts: Iterable[object]) -> None:
         if isinstance(parts, (str, bytes)) or not isinstance(parts, Iterable):
@@ -30,9 +30,9 @@ class UnionDecomposer(Decomposer):
         prepared = [_with_heat(part, k) for k, part in enumerate(self._given)]
         if not prepared:
             raise ValueError("parts: a union has one part or more, got none")
-        self._sizes = tuple(part.n_vertices for part in prepared)
+        self._counts = tuple(part.n_vertices for part in prepared)
         none = np.empty(0, dtype=np.uint32)
-        shape = _native.ShapeData.from_graph(sum(self._sizes), none, none, None, True)
+        shape = _native.ShapeData.from_graph(sum(self._counts), none, none, None, True)
         self.shape = Shape._from_data(shape)
         self._options = Operator("surface")
         self._data = _native.Prepared.union(shape, prepared)
@@ -41,17 +41,17 @@ class UnionDecomposer(Decomposer):
     @property
     def parts(self) -> tuple[slice, ...]:
         """Rows of each part."""
-        ends = np.cumsum(self._sizes).tolist()
+        ends = np.cumsum(self._counts).tolist()
         return tuple(slice(first, end) for first, end in zip([0, *ends], ends))  # noqa: B905
 
     def with_mask(self, mask: ArrayLike) -> UnionDecomposer:
         """Union without some rows: the diffusion goes around them, and their bands are NaN; see `Decomposer.with_mask`."""
         other = super().with_mask(mask)
-        other._given, other._sizes = self._given, self._sizes
+        other._given, other._counts = self._given, self._counts
         return other
 
     def __repr__(self) -> str:
-        return f"<adwave.Decomposer: heat on {len(self._sizes)} parts, {self.n_vertices} rows>"
+        return f"<adwave.Decomposer: heat on {len(self._counts)} parts, {self.n_vertices} rows>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (self._given, self._mask)
@@ -126,7 +126,7 @@ def union(parts: Iterable[object]) -> UnionDecomposer:
     >>> bool(np.allclose(smooth[both.parts[0]], left.smooth(values[both.parts[0]], fwhm=0.2), atol=1e-8))
     True
     >>> upper = np.flatnonzero(left.points[:, 2] > 0)
-    >>> aw.union([(left, upper), aw.grid(np.zeros((4, 5, 6)))]).parts
-    (slice(0, 250, None), slice(250, 370, None))
+    >>> aw.union([(left, upper), aw.grid(np.zeros((5, 6, 7)))]).parts
+    (slice(0, 250, None), slice(250, 460, None))
     """
     return UnionDecomposer(parts)

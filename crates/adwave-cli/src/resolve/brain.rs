@@ -49,25 +49,21 @@ pub(crate) fn brain_of(
     let (mut parts, mut described) = (Vec::new(), Vec::new());
     let mut rest = &layout.parts[..];
     while let Some((part, after)) = rest.split_first() {
-        match &part.places {
-            BrainPlaces::Surface { n_vertices, vertices } => {
-                let surface = take_surface(&mut given, part, *n_vertices, name)?;
-                parts.push(surface_part(&surface, vertices, global)?);
-                let (n, path) = (vertices.len(), &surface.path);
-                described.push(format!("{} ({n} of {n_vertices} vertices of {path})", part.structure));
-                rest = after;
-            }
-            _ => {
-                let n =
-                    rest.iter().take_while(|part| matches!(part.places, BrainPlaces::Voxels { .. })).count();
-                let (voxels, after) = rest.split_at(n);
-                parts.push(voxel_part(layout, voxels, name, global)?);
-                let rows: usize = voxels.iter().map(|part| part.rows.len()).sum();
-                let structures = count(n, "structure", "structures");
-                described.push(format!("{} of {structures}, each by itself", count(rows, "voxel", "voxels")));
-                rest = after;
-            }
+        if let BrainPlaces::Surface { n_vertices, vertices } = &part.places {
+            let surface = take_surface(&mut given, part, *n_vertices, name)?;
+            parts.push(surface_part(&surface, vertices, global)?);
+            let (n, path) = (vertices.len(), &surface.path);
+            described.push(format!("{} ({n} of {n_vertices} vertices of {path})", part.structure));
+            rest = after;
+            continue;
         }
+        let n = rest.iter().take_while(|part| matches!(part.places, BrainPlaces::Voxels { .. })).count();
+        let (voxels, after) = rest.split_at(n.max(1));
+        parts.push(voxel_part(layout, voxels, name, global)?);
+        let rows: usize = voxels.iter().map(|part| part.rows.len()).sum();
+        let structures = count(n, "structure", "structures");
+        described.push(format!("{} of {structures}, each by itself", count(rows, "voxel", "voxels")));
+        rest = after;
     }
     if let Some(surface) = given.first() {
         return Err(CliError::Input(format!(

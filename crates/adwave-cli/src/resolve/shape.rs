@@ -207,10 +207,11 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             Some(selection) => select(file, &name, SelectionUse { selection, rest: Rest::Stays }, global)?,
             None => file,
         };
-        let shape = match file.carries_values() {
+        let shape = if file.carries_values() {
             // The operator is that of the grid or of the parts.
-            true => Graph::new(file.n_vertices(), &[]).map(Shape::Graph).map_err(|e| e.to_string()),
-            false => file.to_shape_as(kind).map_err(|e| e.to_string()),
+            Graph::new(file.n_vertices(), &[]).map(Shape::Graph).map_err(|e| e.to_string())
+        } else {
+            file.to_shape_as(kind).map_err(|e| e.to_string())
         };
         let shape = shape.map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         if shape.is_graph()

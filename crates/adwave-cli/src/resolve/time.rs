@@ -55,7 +55,7 @@ impl TimeBands {
     }
 
     /// The bands that are asked for along an axis that is known; `None` without widths.
-    pub(crate) fn of_axis(
+    pub(crate) fn resolve_on_axis(
         args: &TimeArgs,
         axis: TimeAxis,
         source: StepSource,

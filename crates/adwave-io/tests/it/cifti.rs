@@ -18,7 +18,7 @@ fn written(file: &ShapeFile) -> Result<Vec<u8>, String> {
     write_bytes(file, Format::CIFTI, &mut bytes).map(|_| bytes).map_err(|e| e.to_string())
 }
 
-/// Where the numbers begin.
+/// Index of the first byte of the numbers.
 fn start(bytes: &[u8]) -> usize {
     i64::from_le_bytes(bytes[168..176].try_into().unwrap()) as usize
 }

@@ -275,7 +275,9 @@ impl Operator for UnionHeat {
             match &part.transform {
                 Some(transform) => {
                     transform.operator().difference(x, n_channels, out, progress)?;
-                    out.iter_mut().for_each(|value| *value *= part.share);
+                    for value in out {
+                        *value *= part.share;
+                    }
                 }
                 None => out.fill(0.0),
             }
@@ -358,52 +360,51 @@ impl Leap for UnionHeat {
         for part in &self.parts {
             let range = part.rows.start * n_channels..part.rows.end * n_channels;
             let (x, out) = (&x[range.clone()], &mut out[range]);
-            let bound = match &part.transform {
-                Some(transform) => {
-                    smooth(transform, part.steps * n_steps, x, n_channels, accuracy, out, progress)?
-                }
-                None => {
-                    out.copy_from_slice(x);
-                    0.0
-                }
-            };
-            worst = worst.max(bound);
+            worst = worst.max(part.take_steps(n_steps, x, n_channels, accuracy, out, progress)?);
         }
         Ok(worst)
     }
 }
 
-/// Computes n steps of `x`, n_rows × n_channels, into `out`: what is left of it without the band of these steps. Returns
-/// a bound of the error relative to `x`, at most `accuracy` where the series of the operator reach it.
-fn smooth(
-    transform: &Transform,
-    n_steps: f64,
-    x: &[f64],
-    n_channels: usize,
-    accuracy: f64,
-    out: &mut [f64],
-    progress: Progress<'_>,
-) -> Result<f64, Cancelled> {
-    let Ok(schedule) = Schedule::real(vec![n_steps]) else {
-        out.copy_from_slice(x);
-        return Ok(1.0);
-    };
-    let mut asked = accuracy;
-    while asked <= COARSEST_ACCURACY {
-        let params = BandsParams { accuracy: asked, ..*transform.params() };
-        let outcome = transform.with_params(&params).and_then(|transform| {
-            transform.weighted_into(x, n_channels, &schedule, &[-1.0], out, progress.quiet())
-        });
-        match outcome {
-            Ok(info) => {
-                out.iter_mut().zip(x).for_each(|(out, x)| *out += x);
-                return Ok(info.error_bound);
+impl UnionPart {
+    /// Computes n steps of the union on the part's rows of `x` into `out`: what is left of it without the band of these
+    /// steps. Returns a bound of the error relative to `x`, at most `accuracy` where the series of the operator reach it.
+    fn take_steps(
+        &self,
+        n_steps: f64,
+        x: &[f64],
+        n_channels: usize,
+        accuracy: f64,
+        out: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
+        let Some(transform) = &self.transform else {
+            out.copy_from_slice(x);
+            return Ok(0.0);
+        };
+        let Ok(schedule) = Schedule::real(vec![self.steps * n_steps]) else {
+            out.copy_from_slice(x);
+            return Ok(1.0);
+        };
+        let mut asked = accuracy;
+        while asked <= COARSEST_ACCURACY {
+            let params = BandsParams { accuracy: asked, ..*transform.params() };
+            let outcome = transform.with_params(&params).and_then(|transform| {
+                transform.weighted_into(x, n_channels, &schedule, &[-1.0], out, progress.quiet())
+            });
+            match outcome {
+                Ok(info) => {
+                    for (out, x) in out.iter_mut().zip(x) {
+                        *out += x;
+                    }
+                    return Ok(info.error_bound);
+                }
+                Err(BandsError::Cancelled(cancelled)) => return Err(cancelled),
+                Err(BandsError::Missed { reached, .. }) => asked = (2.0 * reached).max(2.0 * asked),
+                Err(_) => break,
             }
-            Err(BandsError::Cancelled(cancelled)) => return Err(cancelled),
-            Err(BandsError::Missed { reached, .. }) => asked = (2.0 * reached).max(2.0 * asked),
-            Err(_) => break,
         }
+        out.copy_from_slice(x);
+        Ok(1.0)
     }
-    out.copy_from_slice(x);
-    Ok(1.0)
 }

@@ -102,9 +102,10 @@ fn a_union_is_its_parts() {
     for (k, part) in parts.iter().enumerate() {
         let rows = 3 * at..3 * (at + part.n_vertices());
         at += part.n_vertices();
-        let own = match part.operator().step_length() > 0.0 && part.n_vertices() > 1 {
-            true => bands(part, &signal[rows.clone()], 3, &widths),
-            false => [vec![0.0; 9], signal[rows.clone()].to_vec()].concat(),
+        let own = if part.n_vertices() > 1 {
+            bands(part, &signal[rows.clone()], 3, &widths)
+        } else {
+            [vec![0.0; 9], signal[rows.clone()].to_vec()].concat()
         };
         for (band, own) in found.chunks_exact(3 * n).zip(own.chunks_exact(rows.len())) {
             let off = largest_difference(&band[rows.clone()], own);

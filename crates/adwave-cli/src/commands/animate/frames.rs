@@ -258,12 +258,12 @@ fn list(path: &Path) -> Result<Vec<PathBuf>, CliError> {
             found.push(path);
         }
     }
-    found.sort_by(|a, b| by_numbers(&a.to_string_lossy(), &b.to_string_lossy()));
+    found.sort_by(|a, b| compare_numbered(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(found)
 }
 
 /// The order of names in which numbers count by their value: `frame9` stands before `frame10`.
-fn by_numbers(a: &str, b: &str) -> Ordering {
+fn compare_numbered(a: &str, b: &str) -> Ordering {
     let digits = |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let (mut x, mut y) = (a, b);
     loop {
@@ -317,7 +317,7 @@ mod tests {
     fn numbers_in_names_count_by_value() {
         let mut names =
             ["walk10.obj", "walk9.obj", "walk010b.obj", "a", "walk", "walk1.obj", "b2c10", "b2c9"];
-        names.sort_by(|a, b| by_numbers(a, b));
+        names.sort_by(|a, b| compare_numbered(a, b));
         assert_eq!(
             names,
             ["a", "b2c9", "b2c10", "walk", "walk1.obj", "walk9.obj", "walk10.obj", "walk010b.obj"]

@@ -64,24 +64,9 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     );
     let mut report = json!({"frames": n_frames, "vertices_per_frame": n, "step": step, "output": args.output.display().to_string()});
     let unknown = motion::unknown(&frames);
-    if let Some(unknown) = &unknown {
-        let n_unknown = unknown.iter().filter(|flag| **flag).count();
-        let vertices = count(n_unknown, "vertex has", "vertices have");
-        note(global, &format!("{vertices} no position in some frames; these stay as they are in all"));
-    }
+    note_unknown(unknown.as_deref(), global);
     if args.still {
-        let Some([turn, way]) = motion::take_motion_out(&mut frames, unknown.as_deref()) else {
-            return Err(CliError::Input(format!(
-                "--still needs points that are not on a line, and those of {} are",
-                args.frames
-            )));
-        };
-        let (degrees, distance) = (number(turn), number(way));
-        let _ = writeln!(
-            text,
-            "motion of the whole taken out: turns of up to {degrees}°, ways of up to {distance}"
-        );
-        report["still"] = json!({"degrees": turn, "way": way});
+        take_motion_out(args, &mut frames, unknown.as_deref(), &mut text, &mut report)?;
     }
     let needs_domain = args.denoise || args.gains.is_some() || args.motion.is_some();
     let decomposer = needs_domain.then(|| prepare(&frames, unknown.as_deref(), global)).transpose()?;
@@ -102,7 +87,7 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
         (None, Some(_)) => StepSource::File,
         (None, None) => StepSource::Assumed,
     };
-    if let Some(time) = TimeBands::of_axis(&args.time, axis, source)? {
+    if let Some(time) = TimeBands::resolve_on_axis(&args.time, axis, source)? {
         let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
         time.check_gains(&gains)?;
         with_progress(global, "filtering", |progress| {
@@ -121,6 +106,35 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     let written = frames.write(&args.output, step, global)?;
     let _ = writeln!(text, "{written}");
     print(global, &text, &report)
+}
+
+/// Says how many vertices have no position in some frames.
+fn note_unknown(unknown: Option<&[bool]>, global: &Global<'_>) {
+    let Some(unknown) = unknown else { return };
+    let n_unknown = unknown.iter().filter(|flag| **flag).count();
+    let vertices = count(n_unknown, "vertex has", "vertices have");
+    note(global, &format!("{vertices} no position in some frames; these stay as they are in all"));
+}
+
+/// Turns and moves the frames onto their mean, and says how far.
+fn take_motion_out(
+    args: &AnimateArgs,
+    frames: &mut Frames,
+    unknown: Option<&[bool]>,
+    text: &mut String,
+    report: &mut serde_json::Value,
+) -> Result<(), CliError> {
+    let Some([turn, way]) = motion::take_motion_out(frames, unknown) else {
+        return Err(CliError::Input(format!(
+            "--still needs points that are not on a line, and those of {} are",
+            args.frames
+        )));
+    };
+    let (degrees, distance) = (number(turn), number(way));
+    let _ =
+        writeln!(text, "motion of the whole taken out: turns of up to {degrees}°, ways of up to {distance}");
+    report["still"] = json!({"degrees": turn, "way": way});
+    Ok(())
 }
 
 /// Refuses options that apply to nothing, and results that cannot be written.

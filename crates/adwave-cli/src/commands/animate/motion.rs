@@ -78,7 +78,9 @@ pub(super) fn take_motion_out(frames: &mut Frames, unknown: Option<&[bool]>) -> 
     }
     let back = Motion::fit(&target, &known(&first), &weights, false)?;
     for points in &mut moved {
-        points.iter_mut().for_each(|p| *p = back.apply(p));
+        for p in points {
+            *p = back.apply(p);
+        }
     }
     frames.points = moved;
     let way = |c: &[f64; 3]| (0..3).map(|k| (c[k] - centers[0][k]).powi(2)).sum::<f64>().sqrt();

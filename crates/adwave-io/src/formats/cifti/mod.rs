@@ -30,7 +30,7 @@ pub(crate) static CIFTI: FormatDescriptor = FormatDescriptor {
     loses: "columns that are neither scalars nor a series; fields other than `values`",
     // Volumes stand before it in the table.
     recognize: |file| read::is_nifti(file.bytes).then_some(Evidence::Signature),
-    read: Some(|bytes, c| whole::read_whole(bytes, c.limits, c.progress)),
+    read: Some(|bytes, c| whole::read_whole(&bytes, c.limits, c.progress)),
     read_values: Some(|bytes, size, c| {
         read::read_cifti(bytes, size.structure, size.n_vertices, c.limits, c.progress)
     }),

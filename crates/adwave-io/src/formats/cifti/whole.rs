@@ -31,11 +31,11 @@ struct CiftiDocument {
 
 /// Reads the values of all parts. Integers and scaled numbers become floats.
 pub(super) fn read_whole(
-    bytes: Vec<u8>,
+    bytes: &[u8],
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let (head, maps) = read_head(&bytes, progress)?;
+    let (head, maps) = read_head(bytes, progress)?;
     if maps.columns.is_none() {
         return Err(ReadError::Whole(
             "the columns of this CIFTI are neither scalars nor a series; use it as a field of a surface, or save it as \
