@@ -32,6 +32,22 @@ fn with_text(from: &str, to: &str) -> Vec<u8> {
     bytes
 }
 
+/// The file with another text in its XML, and all lengths as they must be.
+fn replaced(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let (old, at) =
+        (start(bytes), bytes.windows(from.len()).position(|text| text == from.as_bytes()).unwrap());
+    let xml = bytes[552..old].iter().rposition(|b| *b != 0).unwrap() + 553;
+    let mut out = bytes[..at].to_vec();
+    out.extend(to.as_bytes());
+    out.extend(&bytes[at + from.len()..xml]);
+    let new = 544 + (out.len() - 544).next_multiple_of(16);
+    out.resize(new, 0);
+    out[168..176].copy_from_slice(&(new as i64).to_le_bytes());
+    out[544..548].copy_from_slice(&((new - 544) as i32).to_le_bytes());
+    out.extend(&bytes[old..]);
+    out
+}
+
 #[test]
 fn parts_say_where_each_row_is() {
     let file = read(sample()).unwrap();
@@ -100,6 +116,20 @@ fn damaged_files_are_refused() {
     refused(with_text("IndexOffset=\"3\"", "IndexOffset=\"4\""), "begin at 4 instead of 3");
     refused(with_text("4,5,6", "4,3,6"), "beyond its volume of [4, 3, 6]");
     refused(with_text("4,5,6", "4,5,x"), "does not say where they are");
+    let spread = replaced(&replaced(&sample(), "4,5,6", "9,9,9000000"), "3 2 3\n", "3 2 8000000\n");
+    refused(spread, "must lie close together");
+    let empty = replaced(
+        &sample(),
+        "IndexCount=\"3\" ModelType=\"CIFTI_MODEL_TYPE_VOXELS\"",
+        "IndexCount=\"0\" ModelType=\"CIFTI_MODEL_TYPE_VOXELS\"",
+    );
+    let empty = replaced(&empty, "1 2 3\n2 2 3\n1 3 3\n", "");
+    let empty = replaced(
+        &empty,
+        "IndexCount=\"1\" ModelType=\"CIFTI_MODEL_TYPE_VOXELS\"",
+        "IndexCount=\"0\" ModelType=\"CIFTI_MODEL_TYPE_VOXELS\"",
+    );
+    refused(replaced(&empty, "3 2 3\n", ""), "structures without voxels");
     refused(with_text("-2 0 0 90", "-2 0 0 xx"), "does not say where they are");
     refused(with_text("1 3 3\n", "1 3 \n\n"), "another number of voxels");
 }

@@ -19,6 +19,11 @@ use crate::{
     ReadError, ReadLimits, ShapeFile, ValueType, WriteError,
 };
 
+/// Most places of the box around the voxels: these, or so many for each voxel, so that a small file cannot ask for a large
+/// box.
+const BOX_PLACES: u64 = 1 << 22;
+const BOX_PLACES_PER_VOXEL: u64 = 256;
+
 /// Bytes of the file around its numbers, and their type.
 #[derive(Debug)]
 struct CiftiDocument {
@@ -90,12 +95,21 @@ fn layout(
                 "the CIFTI has voxels and does not say where they are (Volume); save it again".into(),
             )
         })?;
-        let [low, high] = bounds(&maps.voxels);
+        let n_voxels: u64 = maps.voxels.iter().map(|model| model.indices.len() as u64).sum();
+        let Some([low, high]) = bounds(&maps.voxels) else {
+            return Err(ReadError::Whole("the CIFTI names structures without voxels; save it again".into()));
+        };
         let sizes: [usize; 3] = std::array::from_fn(|axis| (high[axis] - low[axis]) as usize + 1);
-        if high.iter().zip(volume.sizes).any(|(high, size)| *high >= size)
-            || sizes.iter().try_fold(1_u32, |n, size| n.checked_mul(u32::try_from(*size).ok()?)).is_none()
-        {
+        if high.iter().zip(volume.sizes).any(|(high, size)| *high >= size) {
             let message = format!("the CIFTI has a voxel {high:?} beyond its volume of {:?}", volume.sizes);
+            return Err(ReadError::Whole(message));
+        }
+        let n_places = sizes.iter().fold(1_u64, |n, size| n.saturating_mul(*size as u64));
+        if n_places > BOX_PLACES.max(BOX_PLACES_PER_VOXEL * n_voxels) {
+            let message = format!(
+                "the {n_voxels} voxels of the CIFTI must lie close together, and they spread over a box of {sizes:?}; save \
+                 them in the volume that they were measured in"
+            );
             return Err(ReadError::Whole(message));
         }
         let place = |v: &[u32; 3]| {
@@ -143,16 +157,15 @@ fn layout(
     Ok(BrainLayout { parts: ordered, volume, n_columns })
 }
 
-/// Smallest and largest index along each axis.
-fn bounds(models: &[VoxelModel]) -> [[u32; 3]; 2] {
-    let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
-    for index in models.iter().flat_map(|model| &model.indices) {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(index[axis]);
-            high[axis] = high[axis].max(index[axis]);
-        }
-    }
-    [low, high]
+/// Smallest and largest index along each axis; `None` without voxels.
+fn bounds(models: &[VoxelModel]) -> Option<[[u32; 3]; 2]> {
+    let ends = models.iter().flat_map(|model| &model.indices).map(|index| [*index, *index]);
+    ends.reduce(|[low, high], [index, _]| {
+        [
+            std::array::from_fn(|axis| low[axis].min(index[axis])),
+            std::array::from_fn(|axis| high[axis].max(index[axis])),
+        ]
+    })
 }
 
 impl SourceDocument for CiftiDocument {
