@@ -196,7 +196,10 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         } else {
             read(source.shape, &source.part, global)?
         };
-        global.inputs.set_row_words(row_words(&file));
+        // Messages about a CIFTI speak of the vertices of its surfaces.
+        if file.brain().is_none() {
+            global.inputs.set_row_words(row_words(&file));
+        }
         note_left_out(&file, &name, global);
         for text in file.notes() {
             global.inputs.add_remark(text.clone());

@@ -152,6 +152,7 @@ fn frames_that_do_not_fit_are_refused() {
         assert!(error.contains(expected), "{error}");
     };
     expect("animate walk/f1.obj -o a.npy", "names 1 file; give a folder or a pattern");
+    expect("animate run -o a.npy", "run: no such file or folder");
     expect("animate walk -o walk", "is the folder of the frames, which would be replaced");
     expect("animate walk -o a.npy --time-gains 2", "--time-gains applies to bands along time");
     expect("animate walk -o a.npy --levels 3", "--levels applies to bands in space");

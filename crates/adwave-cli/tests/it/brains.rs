@@ -102,7 +102,7 @@ fn what_does_not_fit_is_refused_before_anything_is_written() {
         (
             "--surface lh.white.obj --surface rh.five.obj",
             "b.dscalar.nii",
-            "CORTEX_RIGHT of a.dscalar.nii has 4 places, and the surface has 5",
+            "CORTEX_RIGHT of a.dscalar.nii has 4 vertices, and the surface has 5",
         ),
         ("--surface lh.white.obj --surface CORTEX_LEFT=right.obj", "b.dscalar.nii", "are both CORTEX_LEFT"),
         (BOTH, "b.dtseries.nii", "go into a CIFTI of the same kind, .npy or .csv"),
@@ -118,5 +118,5 @@ fn what_does_not_fit_is_refused_before_anything_is_written() {
     assert!(error.contains("--surface applies to a CIFTI"), "{error}");
     let error =
         refused(path, &format!("filter a.dscalar.nii -o b.dscalar.nii {BOTH} {tail} --only values=1.."));
-    assert!(error.contains("--only applies to the places of one shape"), "{error}");
+    assert!(error.contains("--only applies to the vertices of one shape"), "{error}");
 }

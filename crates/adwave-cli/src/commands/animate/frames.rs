@@ -243,7 +243,8 @@ fn list(path: &Path) -> Result<Vec<PathBuf>, CliError> {
     let (folder, pattern) = match name.split_once('*') {
         Some(parts) => (path.parent().filter(|folder| *folder != Path::new("")), Some(parts)),
         None if path.is_dir() => (Some(path), None),
-        None => return Ok(vec![path.to_owned()]),
+        None if path.exists() => return Ok(vec![path.to_owned()]),
+        None => return Err(CliError::Input(format!("{}: no such file or folder", path.display()))),
     };
     let folder = folder.unwrap_or(Path::new("."));
     let failed = |e: std::io::Error| CliError::Input(format!("{}: {e}", folder.display()));

@@ -17,7 +17,7 @@ use adwave::bands::{BandsError, DEFAULT_EXTENT, Schedule};
 use adwave::denoise::{DenoiseParams, denoise_series};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::time::TimeAxis;
-use adwave::{Decomposer, LevelSpec};
+use adwave::{Decomposer, LevelSpec, Progress};
 use adwave_io::{Field, FieldValues, Format, MovedNormals};
 pub(crate) use args::AnimateArgs;
 use frames::{FrameSource, Frames};
@@ -66,7 +66,9 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     let unknown = motion::unknown(&frames);
     note_unknown(unknown.as_deref(), global);
     if args.still {
-        take_motion_out(args, &mut frames, unknown.as_deref(), &mut text, &mut report)?;
+        with_progress(global, "moving", |progress| {
+            take_motion_out(args, &mut frames, unknown.as_deref(), &mut text, &mut report, progress)
+        })?;
     }
     let needs_domain = args.denoise || args.gains.is_some() || args.motion.is_some();
     let decomposer = needs_domain.then(|| prepare(&frames, unknown.as_deref(), global)).transpose()?;
@@ -123,8 +125,10 @@ fn take_motion_out(
     unknown: Option<&[bool]>,
     text: &mut String,
     report: &mut serde_json::Value,
+    progress: Progress<'_>,
 ) -> Result<(), CliError> {
-    let Some([turn, way]) = motion::take_motion_out(frames, unknown) else {
+    let found = motion::take_motion_out(frames, unknown, progress).map_err(|_| CliError::Cancelled)?;
+    let Some([turn, way]) = found else {
         return Err(CliError::Input(format!(
             "--still needs points that are not on a line, and those of {} are",
             args.frames
@@ -232,7 +236,7 @@ fn edit_in_space(
     })
     .map_err(failed)?;
     let mut file = frames.shape.clone();
-    file.move_points(motion::mean_points(&frames.points), MovedNormals::Follow, global.progress())?;
+    file.move_points(frames.mean(), MovedNormals::Follow, global.progress())?;
     let mut means = Vec::with_capacity(maps.len());
     for (k, map) in maps.into_iter().enumerate() {
         let is_rest = k == schedule.n_levels();

@@ -2,8 +2,9 @@
 
 use super::frames::Frames;
 use adwave::bands::{BandsError, Schedule};
-use adwave::{Decomposer, Progress};
+use adwave::{Cancelled, Decomposer, Progress};
 use adwave_register::Motion;
+use rayon::prelude::*;
 
 /// Rounds in which the frames are moved onto their mean.
 const MOST_ROUNDS: usize = 10;
@@ -13,6 +14,9 @@ const AT_REST: f64 = 1e-12;
 
 /// Values of displacements that are split into bands together.
 const VALUES_TOGETHER: usize = 1 << 22;
+
+/// Degrees by which a frame was turned, and its positions after it.
+type TurnedFrame = (f64, Vec<[f64; 3]>);
 
 /// The positions over time as a signal, vertices × frames × 3.
 pub(super) fn series(frames: &Frames) -> Vec<f64> {
@@ -41,8 +45,12 @@ pub(super) fn unknown(frames: &Frames) -> Option<Vec<bool>> {
 
 /// Turns and moves each frame onto the mean of all by least squares, in rounds until the mean rests, and that onto the
 /// first frame. Vertices that are unknown have no part in it. Returns the largest turn in degrees and the longest way of
-/// the center; `None` if points on a line leave the turn open.
-pub(super) fn take_motion_out(frames: &mut Frames, unknown: Option<&[bool]>) -> Option<[f64; 2]> {
+/// the center; `None` if points on a line leave the turn open. Frames are moved in parallel.
+pub(super) fn take_motion_out(
+    frames: &mut Frames,
+    unknown: Option<&[bool]>,
+    progress: Progress<'_>,
+) -> Result<Option<[f64; 2]>, Cancelled> {
     let weights: Vec<f64> = (0..frames.shape.n_vertices())
         .map(|x| f64::from(u8::from(unknown.is_none_or(|unknown| !unknown[x]))))
         .collect();
@@ -58,15 +66,20 @@ pub(super) fn take_motion_out(frames: &mut Frames, unknown: Option<&[bool]>) -> 
     let first = frames.points[0].clone();
     let centers: Vec<[f64; 3]> = frames.points.iter().map(|points| center(points)).collect();
     let mut target = known(&first);
-    let mut turns = vec![0.0_f64; frames.points.len()];
-    let mut moved = frames.points.clone();
-    for _ in 0..MOST_ROUNDS {
-        for (k, points) in frames.points.iter().enumerate() {
-            let motion = Motion::fit(&known(points), &target, &weights, false)?;
-            turns[k] = motion.degrees();
-            moved[k] = points.iter().map(|p| motion.apply(p)).collect();
-        }
-        let mean = mean_points(&moved);
+    let mut turned: Vec<TurnedFrame> = Vec::new();
+    for round in 0..MOST_ROUNDS {
+        progress.step(round as u64, MOST_ROUNDS as u64)?;
+        let onto_target = |points: &Vec<[f64; 3]>| -> Result<Option<TurnedFrame>, Cancelled> {
+            progress.check()?;
+            let motion = Motion::fit(&known(points), &target, &weights, false);
+            Ok(motion.map(|motion| (motion.degrees(), points.iter().map(|p| motion.apply(p)).collect())))
+        };
+        let Some(all) = frames.points.par_iter().map(onto_target).collect::<Result<Option<Vec<_>>, _>>()?
+        else {
+            return Ok(None);
+        };
+        turned = all;
+        let mean = mean_points(turned.iter().map(|(_, points)| points.as_slice()));
         let size = target.iter().flatten().fold(0.0_f64, |size, c| size.max(c.abs()));
         let difference =
             |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
@@ -76,22 +89,30 @@ pub(super) fn take_motion_out(frames: &mut Frames, unknown: Option<&[bool]>) -> 
             break;
         }
     }
-    let back = Motion::fit(&target, &known(&first), &weights, false)?;
-    for points in &mut moved {
-        for p in points {
-            *p = back.apply(p);
-        }
-    }
-    frames.points = moved;
+    let Some(back) = Motion::fit(&target, &known(&first), &weights, false) else { return Ok(None) };
+    let turn = turned.iter().fold(0.0, |most, (degrees, _)| f64::max(most, *degrees));
+    frames.points =
+        turned.into_iter().map(|(_, points)| points.iter().map(|p| back.apply(p)).collect()).collect();
     let way = |c: &[f64; 3]| (0..3).map(|k| (c[k] - centers[0][k]).powi(2)).sum::<f64>().sqrt();
-    Some([turns.iter().fold(0.0, |a, b| f64::max(a, *b)), centers.iter().map(way).fold(0.0, f64::max)])
+    Ok(Some([turn, centers.iter().map(way).fold(0.0, f64::max)]))
 }
 
 /// The mean of all frames.
-pub(super) fn mean_points(frames: &[Vec<[f64; 3]>]) -> Vec<[f64; 3]> {
-    let n = frames.len() as f64;
-    let mean = |x: usize| std::array::from_fn(|c| frames.iter().map(|points| points[x][c]).sum::<f64>() / n);
-    (0..frames[0].len()).map(mean).collect()
+fn mean_points<'a>(frames: impl Iterator<Item = &'a [[f64; 3]]>) -> Vec<[f64; 3]> {
+    let (mut sum, mut n) = (Vec::new(), 0.0);
+    for points in frames {
+        sum.resize(points.len(), [0.0; 3]);
+        sum.iter_mut().zip(points).for_each(|(sum, p)| (0..3).for_each(|c| sum[c] += p[c]));
+        n += 1.0;
+    }
+    sum.into_iter().map(|sum: [f64; 3]| sum.map(|c| c / n)).collect()
+}
+
+impl Frames {
+    /// The mean of all frames.
+    pub(super) fn mean(&self) -> Vec<[f64; 3]> {
+        mean_points(self.points.iter().map(Vec::as_slice))
+    }
 }
 
 /// Multiplies the bands in space of the displacements from the mean over all frames by gains, fine to coarse.
@@ -103,7 +124,7 @@ pub(super) fn scale_bands(
     progress: Progress<'_>,
 ) -> Result<(), BandsError> {
     let factors: Vec<f64> = gains.iter().map(|gain| gain - 1.0).collect();
-    let mean = mean_points(&frames.points);
+    let mean = frames.mean();
     visit_groups(
         frames.points.len(),
         mean.len(),
@@ -134,7 +155,7 @@ pub(super) fn motion_maps(
     schedule: &Schedule,
     progress: Progress<'_>,
 ) -> Result<Vec<Vec<f64>>, BandsError> {
-    let (mean, n_frames) = (mean_points(&frames.points), frames.points.len());
+    let (mean, n_frames) = (frames.mean(), frames.points.len());
     let mut maps = vec![vec![0.0; mean.len()]; schedule.n_levels() + 1];
     visit_groups(
         n_frames,

@@ -197,3 +197,34 @@ fn visit_groups(
     progress.step(n_channels as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
     Ok(filtered.expect("an array of many channels has a group"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_of_channels_lie_beside_each_other() {
+        // Value 10·row + channel of 4 rows and 5 channels, in groups of 2, 2 and 1 channels.
+        let value = |row: usize, channel: usize| (10 * row + channel) as f64;
+        for single in [true, false] {
+            let mut values =
+                if single { Values::Single(vec![-1.0; 20]) } else { Values::Double(vec![-1.0; 20]) };
+            for (at, width) in [(0, 2), (2, 2), (4, 1)] {
+                let group: Vec<f64> = (0..4 * width).map(|k| value(k / width, at + k % width)).collect();
+                values.place(at, &group, 5);
+            }
+            let expected: Vec<f64> = (0..20).map(|k| value(k / 5, k % 5)).collect();
+            assert_eq!(values.into_field().to_f64(), expected);
+        }
+    }
+
+    #[test]
+    fn channels_of_a_grid_are_read_by_rows() {
+        let mut file = ShapeFile::from_grid(adwave_io::GridLayout::new(&[2, 2], &[1.0; 2])).unwrap();
+        let values = (0..12_u16).collect();
+        file.add_vertex_field(Field::new(GRID_VALUES, 3, FieldValues::U16(values))).unwrap();
+        assert_eq!(Columns::OfGrid.n_channels(&file), 3);
+        let read = Columns::OfGrid.read(&file, 1..3, Progress::none()).unwrap();
+        assert_eq!(read, [1.0, 2.0, 4.0, 5.0, 7.0, 8.0, 10.0, 11.0]);
+    }
+}
