@@ -1,8 +1,10 @@
-//! Every command in the documents and in the help runs as it is written, in a folder of small files of the names that they use.
+//! Every command in the help, and in the documents for files that the reader has, runs as it is written, in a folder of small files
+//! of the names that they use. The other commands of the guides run in an empty folder (`pages`).
 
 use crate::cells_file::write_cells_file;
 use crate::fixtures::{levels, tensors};
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
+use crate::pages::PAGES;
 use crate::wording::wording_faults;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave_io::{Field, FieldValues, ShapeFile, write_path};
@@ -24,25 +26,36 @@ const SKIPPED: [(&str, &str); 8] = [
     ("tiles/ maps 3", "small files have one tile"),
 ];
 
+/// Beginning of the first line of a block whose commands take a file of the reader.
+const OWN_FILE: &str = "# your own file";
+
+/// Beginnings of lines without `adwave` that make folders and files for the commands after them.
+const PREPARING: [&str; 3] = ["mkdir", "printf ", "(for "];
+
 /// A command with the place where it stands.
-struct Documented {
+pub(crate) struct Documented {
     place: String,
     line: String,
+    /// Tells if it takes a file of the reader, which no line before it writes.
+    pub(crate) takes_own_file: bool,
 }
 
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
 /// Commands in fenced blocks of shell lines, loops as a whole.
-fn in_document(path: &Path) -> Vec<Documented> {
+pub(crate) fn in_document(path: &Path) -> Vec<Documented> {
     let text = fs::read_to_string(path).unwrap();
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
     let (mut found, mut is_shell, mut in_code, mut line) = (Vec::new(), false, false, String::new());
-    for (k, row) in text.lines().enumerate() {
+    let mut takes_own_file = false;
+    let mut rows = text.lines().enumerate().peekable();
+    while let Some((k, row)) = rows.next() {
         if let Some(language) = row.trim().strip_prefix("```") {
             in_code = !in_code;
             is_shell = language == "sh";
+            takes_own_file = rows.peek().is_some_and(|(_, next)| next.trim_start().starts_with(OWN_FILE));
             line.clear();
             continue;
         }
@@ -57,8 +70,8 @@ fn in_document(path: &Path) -> Vec<Documented> {
             line.push('\n');
         } else {
             let line = std::mem::take(&mut line);
-            if line.contains("adwave ") || line.starts_with("mkdir") {
-                found.push(Documented { place: format!("{name}:{}", k + 1), line });
+            if line.contains("adwave ") || PREPARING.iter().any(|word| line.starts_with(word)) {
+                found.push(Documented { place: format!("{name}:{}", k + 1), line, takes_own_file });
             }
         }
     }
@@ -87,7 +100,8 @@ fn in_help(folder: &Path) -> Vec<Documented> {
                 continue;
             }
             let command = std::mem::take(&mut line) + part;
-            found.push(Documented { place: format!("adwave {name} --help"), line: command });
+            let place = format!("adwave {name} --help");
+            found.push(Documented { place, line: command, takes_own_file: true });
         }
     }
     found
@@ -144,7 +158,6 @@ fn write_named_files(folder: &Path) {
         "scan.obj",
         "scan.ply",
         "scan.pcd",
-        "armadillo.obj",
         "tile.obj",
         "before.obj",
         "before.ply",
@@ -164,8 +177,7 @@ fn write_named_files(folder: &Path) {
         save(&model, name);
     }
     let other = creature(2000, 1.0, 2);
-    for name in ["after.obj", "after.ply", "b.ply", "smile.obj", "scans/1.ply"] {
-        fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+    for name in ["after.obj", "after.ply", "b.ply", "smile.obj"] {
         save(&other, name);
     }
     for (name, seed) in [("scan1.ply", 3), ("scan2.ply", 4)] {
@@ -185,19 +197,11 @@ fn write_named_files(folder: &Path) {
     write_cells(folder);
     write_cortex(folder, &brain);
     let n = model.n_vertices();
-    let values = |f: fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
-    for (name, values) in [
-        ("keep.npy", values(|k| f64::from(u8::from(k % 3 == 0)))),
-        ("thickness.npy", values(|k| (k as f64 / 30.0).sin())),
-        ("other.npy", values(|k| (k as f64 / 50.0).cos())),
-    ] {
-        adwave_io::write_npy(&at(name), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
-    }
+    let values: Vec<f64> = (0..n).map(|k| (k as f64 / 50.0).cos()).collect();
+    adwave_io::write_npy(&at("other.npy"), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
     for line in [
         "sample hills --vertices 4096 -o hills.tif",
         "sample hills --vertices 4096 -o dem.tif",
-        "sample hills --vertices 4096 --noise 0.05 -o noisy.tif",
-        "sample head --vertices 8000 -o head.nii.gz",
         "sample bold --vertices 1500 -o bold.nii.gz",
         "sample head --vertices 8000 -o volume.nii.gz",
     ] {
@@ -250,8 +254,6 @@ fn write_curves_and_graphs(folder: &Path) {
     let edges: String = (1..=50).fold(String::new(), |text, k| text + &format!("{} {k} 1\n", k % 50 + 1));
     let head = "%%MatrixMarket matrix coordinate real general";
     fs::write(folder.join("network.mtx"), format!("{head}\n50 50 50\n{edges}")).unwrap();
-    let signal: Vec<f64> = (0..50).map(|k| (f64::from(k) / 5.0).sin()).collect();
-    adwave_io::write_npy(&folder.join("signal.npy"), &[50], adwave_io::ArrayValues::F64(&signal)).unwrap();
 }
 
 /// Cells on a ring with counts, coordinates, their graph and their walk.
@@ -307,7 +309,7 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
     };
     let structure = adwave_io::read_path(&at("white.gii"), &adwave_io::ReadLimits::default()).unwrap();
     let structure = structure.structure();
-    for name in ["thick.gii.gz", "thickness.gii", "sulc.gii.gz", "curv_left.gii.gz"] {
+    for name in ["thick.gii.gz", "thickness.gii", "sulc.gii.gz"] {
         adwave_io::write_gifti_fields(&at(name), &[field("value", 1)], structure).unwrap();
     }
     let cut = levels();
@@ -374,10 +376,15 @@ fn write_texture(folder: &Path) {
         .unwrap();
 }
 
+/// A line with smaller shapes where sizes only say how fast something is, and without the taking of its time.
+pub(crate) fn shrink_sizes(line: &str) -> String {
+    let line = line.replace("--points 1e8", "--points 3e3").replace("--vertices 1000000", "--vertices 6000");
+    line.trim_start_matches("time ").to_owned()
+}
+
 /// A line with smaller shapes, so that it takes seconds: sizes that only say how fast something is, and, where a sample is run, all.
 fn shrink(line: &str) -> String {
-    let mut line =
-        line.replace("--points 1e8", "--points 3e3").replace("--vertices 1000000", "--vertices 6000");
+    let mut line = shrink_sizes(line);
     line =
         line.replace("--vertices 200000", "--vertices 3000").replace("--vertices 50000", "--vertices 3000");
     if line.contains("adwave reproduce") {
@@ -393,8 +400,7 @@ fn shrink(line: &str) -> String {
             .replace("--harmonics 300", "--harmonics 30");
         line = line.replace("sample:plane", "tile.obj").replace("--vertices 3000 --with dw", "--with dw");
     }
-    let line = line.split("| jq").next().unwrap_or_default().replace("other-program", "cat > /dev/null");
-    line.trim_start_matches("time ").to_owned()
+    line.split("| jq").next().unwrap_or_default().replace("other-program", "cat > /dev/null")
 }
 
 /// Names of files that a line writes.
@@ -450,8 +456,14 @@ fn run_studio(folder: &Path, line: &str) -> (bool, String) {
     (status.success() && address.starts_with("http://127.0.0.1:"), format!("{status} {address} {told}"))
 }
 
-fn run_all(folder: &Path, documented: &[Documented], faults: &mut Faults) {
-    for Documented { place, line } in documented {
+/// Runs commands in a folder, each as `prepare` changes it.
+pub(crate) fn run_all(
+    folder: &Path,
+    documented: &[Documented],
+    prepare: &dyn Fn(&str) -> String,
+    faults: &mut Faults,
+) {
+    for Documented { place, line, .. } in documented {
         if let Some((_, reason)) = SKIPPED.iter().find(|(word, _)| line.contains(word)) {
             println!("{place}: not run, {reason}: {line}");
             continue;
@@ -460,10 +472,7 @@ fn run_all(folder: &Path, documented: &[Documented], faults: &mut Faults) {
         if is_long && !runs_all() {
             continue;
         }
-        let line = shrink(line);
-        if line.contains("-o tiles/") {
-            let _ = fs::remove_dir_all(folder.join("tiles"));
-        }
+        let line = prepare(line);
         let is_studio = line.starts_with("adwave studio");
         let (is_done, told) = if is_studio { run_studio(folder, &line) } else { run_in_shell(folder, &line) };
         faults.expect(is_done, || format!("{place}: {line}: {}", told.trim()));
@@ -474,6 +483,17 @@ fn run_all(folder: &Path, documented: &[Documented], faults: &mut Faults) {
             faults.expect(folder.join(&name).exists(), || format!("{place}: {line}: {name} was not written"));
         }
     }
+}
+
+/// Runs commands in a folder with files of the names that they use.
+fn run_with_files(folder: &Path, documented: &[Documented], faults: &mut Faults) {
+    let prepare = |line: &str| {
+        if line.contains("-o tiles/") {
+            let _ = fs::remove_dir_all(folder.join("tiles"));
+        }
+        shrink(line)
+    };
+    run_all(folder, documented, &prepare, faults);
 }
 
 #[test]
@@ -492,10 +512,12 @@ fn commands_of_the_documents_run() {
     documents.sort();
     let mut n_commands = 0;
     for document in documents {
-        let commands = in_document(&document);
+        let mut commands = in_document(&document);
         n_commands += commands.len();
+        let is_page = PAGES.iter().any(|page| root().join(page) == document);
+        commands.retain(|command| command.takes_own_file || !is_page);
         if is_in_sample(&document.file_name().unwrap().to_string_lossy(), 1) {
-            run_all(folder.path(), &commands, &mut faults);
+            run_with_files(folder.path(), &commands, &mut faults);
         }
     }
     faults.expect(n_commands > 80, || format!("only {n_commands} commands were found"));
@@ -511,6 +533,6 @@ fn examples_of_the_help_run() {
     let mut examples = in_help(folder.path());
     faults.expect(examples.len() > 70, || format!("only {} examples were found", examples.len()));
     examples.retain(|example| is_in_sample(&example.line, 3) || example.line.contains("adwave tile"));
-    run_all(folder.path(), &examples, &mut faults);
+    run_with_files(folder.path(), &examples, &mut faults);
     faults.finish();
 }

@@ -13,6 +13,7 @@ mod numbers;
 mod option_cases;
 mod option_effects;
 mod outputs;
+mod pages;
 mod reported_numbers;
 mod signature;
 mod streams;
