@@ -69,7 +69,7 @@ fn simplify<'py>(
                 simplify_mesh_with_appearance(mesh, appearance, &params, p)
             })?;
             if found.why == Why::Unchanged {
-                (content.file.clone(), None, found.deviation)
+                (content.file.clone(), None, found.deviation.unwrap_or_default())
             } else {
                 let subset = Subset {
                     vertices: &found.kept,
@@ -78,7 +78,7 @@ fn simplify<'py>(
                     corners: &found.corners,
                 };
                 let file = content.file.subset(&subset).map_err(|e| value_error(e.to_string()))?;
-                (file, Some(found.kept), found.deviation)
+                (file, Some(found.kept), found.deviation.unwrap_or_default())
             }
         }
         Shape::Cloud(cloud) => {

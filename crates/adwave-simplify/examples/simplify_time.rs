@@ -27,7 +27,7 @@ fn main() {
         let start = Instant::now();
         let found =
             simplify_mesh(&mesh, None, &MeshParams::new(target), Progress::none()).expect("a valid target");
-        let deviation = found.deviation;
+        let deviation = found.deviation.unwrap_or_default();
         println!(
             "| {target:?} | {} | {:.6} | {:.6} | {:.2} |",
             found.kept.len(),

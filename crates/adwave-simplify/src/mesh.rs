@@ -14,6 +14,7 @@ use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::{Mesh, VertexMap, WeldMode};
 use adwave::{Cancelled, Progress};
 use std::sync::OnceLock;
+use std::time::Instant;
 
 /// Target of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +48,29 @@ pub struct MeshParams {
     pub target: MeshTarget,
     /// Treatment of borders.
     pub border: Border,
+    /// Whether [`SimplifiedMesh::deviation`] is measured, which takes about as long as the collapses.
+    pub is_measured: bool,
+    /// Whether [`SimplifiedMesh::faces`] are the nearest ones.
+    pub has_nearest_faces: bool,
 }
 
 impl MeshParams {
-    /// Creates options for a target, with weighted borders.
+    /// Creates options for a target, with weighted borders, a measured deviation and nearest faces.
     pub fn new(target: MeshTarget) -> Self {
-        Self { target, border: Border::default() }
+        Self { target, border: Border::default(), is_measured: true, has_nearest_faces: true }
+    }
+
+    /// Sets whether the deviation is measured.
+    #[must_use]
+    pub fn with_measure(self, is_measured: bool) -> Self {
+        Self { is_measured, ..self }
+    }
+
+    /// Sets whether the nearest face of the original is found for each triangle. Without attributes of faces nobody asks
+    /// for it.
+    #[must_use]
+    pub fn with_nearest_faces(self, has_nearest_faces: bool) -> Self {
+        Self { has_nearest_faces, ..self }
     }
 
     /// Sets the treatment of borders.
@@ -84,10 +102,15 @@ pub struct SimplifiedMesh {
     /// Corner of the original that each corner continues, as its number among the corners of all faces of the original.
     /// It has the same position and label, and belongs to the face of the most similar orientation.
     pub corners: Vec<[u32; 3]>,
-    /// Face of the original nearest to the center of each triangle.
+    /// Face of the original nearest to the center of each triangle; without
+    /// [`MeshParams::has_nearest_faces`] the one that the triangle was made from by moving its corners.
     pub faces: Vec<u32>,
-    /// Distances between both surfaces, in model units.
-    pub deviation: Deviation,
+    /// Distances between both surfaces, in model units; `None` if they were not measured.
+    pub deviation: Option<Deviation>,
+    /// Seconds that the measurement took.
+    pub measure_seconds: f64,
+    /// Distance that all points of both surfaces are proven to keep: that of [`MeshTarget::Error`], 0 if nothing changed.
+    pub within: Option<f64>,
     /// Number of welded vertices of the original's triangles.
     pub n_vertices_before: usize,
     /// Number of triangles of the original, without degenerate and repeated triangles.
@@ -115,7 +138,7 @@ pub struct SimplifiedMesh {
 /// by branch and bound. Collapses that break a proof are refused. For a number of vertices, collapses end at this
 /// number. Collapses that turn a face by more than 75° are carried out only if no others are left.
 ///
-/// The deviation is measured by branch and bound, too (see [`OneSided`]). The distance to a triangle is a convex
+/// The deviation is measured by branch and bound, too (see [`OneSided`]), unless the options leave it out. The distance to a triangle is a convex
 /// function, so that its values at the corners of a piece bound it on the piece. The bound holds up to rounding, 1e-12
 /// of the longest side of the bounding box.
 ///
@@ -138,7 +161,7 @@ pub struct SimplifiedMesh {
 /// let params = MeshParams::new(MeshTarget::Error(1e-6));
 /// let simplified = simplify_mesh(&mesh, None, &params, Progress::none())?;
 /// assert_eq!(simplified.kept, [0, 20, 420, 440]);
-/// assert!(simplified.deviation.greatest() < 1e-12);
+/// assert!(simplified.deviation.is_some_and(|deviation| deviation.greatest() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn simplify_mesh(
@@ -170,7 +193,7 @@ pub fn simplify_mesh_with_appearance(
     progress: Progress<'_>,
 ) -> Result<SimplifiedMesh, SimplifyError> {
     params.target.check()?;
-    let job = SimplifyJob::new(mesh, appearance, params.border, progress)?;
+    let job = SimplifyJob { params: *params, ..SimplifyJob::new(mesh, appearance, progress)? };
     let n_before = job.wedges.n_vertices(&job.wedges.triangles);
     let (candidate, why) = match params.target {
         MeshTarget::Error(error) => job.simplify_to_error(error / job.wedges.unit, n_before)?,
@@ -194,7 +217,7 @@ pub fn measure_coarse_mesh(
     progress: Progress<'_>,
 ) -> Result<SimplifiedMesh, SimplifyError> {
     let appearance = Appearance::default();
-    let job = SimplifyJob::new(mesh, appearance, Border::default(), progress)?;
+    let job = SimplifyJob::new(mesh, appearance, progress)?;
     let n_before = job.wedges.n_vertices(&job.wedges.triangles);
     let vertex_map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);
     let mut wedge_at = vec![u32::MAX; vertex_map.n_welded()];
@@ -209,7 +232,7 @@ pub fn measure_coarse_mesh(
         return Err(SimplifyError::NoSurface);
     }
     let origins = vec![0; triangles.len()];
-    let candidate = Candidate { triangles, origins, deviation: None };
+    let candidate = Candidate { triangles, origins, deviation: None, within: None };
     job.finish(mesh, candidate, Why::Reached, n_before)
 }
 
@@ -229,7 +252,10 @@ struct Candidate {
     triangles: Vec<[u32; 3]>,
     /// Triangle of the original from which each triangle was made by moving vertices.
     origins: Vec<u32>,
-    deviation: Option<Deviation>,
+    /// The deviation and the seconds that measuring it took.
+    deviation: Option<(Deviation, f64)>,
+    /// Proven distance of all points of both surfaces.
+    within: Option<f64>,
 }
 
 /// State shared by all runs on one mesh.
@@ -242,7 +268,7 @@ struct SimplifyJob<'a> {
     charts: Vec<u32>,
     /// Search structure of the original, built on first use.
     surface: OnceLock<TriangleSurface>,
-    border: Border,
+    params: MeshParams,
     progress: Progress<'a>,
 }
 
@@ -253,12 +279,8 @@ const MAX_PASSES: u64 = 3;
 const LIMIT_MARGIN: f64 = 1e-9;
 
 impl<'a> SimplifyJob<'a> {
-    fn new(
-        mesh: &Mesh,
-        appearance: Appearance<'_>,
-        border: Border,
-        progress: Progress<'a>,
-    ) -> Result<Self, SimplifyError> {
+    /// The job with the options of a measured result.
+    fn new(mesh: &Mesh, appearance: Appearance<'_>, progress: Progress<'a>) -> Result<Self, SimplifyError> {
         let wedges = Wedges::new(mesh, appearance, progress)?;
         let colors = appearance.values.map(|values| WedgeColors::new(&wedges, values));
         let importance = appearance.weights.map(|weights| wedges.importance(mesh, weights)).transpose()?;
@@ -266,7 +288,8 @@ impl<'a> SimplifyJob<'a> {
         let areas = vertex_areas(&wedges.points, &wedges.triangles);
         let charts = wedges.charts();
         let surface = OnceLock::new();
-        Ok(Self { wedges, colors, importance, areas, charts, surface, border, progress })
+        let params = MeshParams::new(MeshTarget::Ratio(1.0));
+        Ok(Self { wedges, colors, importance, areas, charts, surface, params, progress })
     }
 
     /// Returns the search structure of the original. O(n log n) for the first call.
@@ -279,7 +302,7 @@ impl<'a> SimplifyJob<'a> {
 
     fn connectivity(&self) -> Connectivity {
         let mut connectivity = Connectivity::new(&self.wedges);
-        if self.border == Border::Kept {
+        if self.params.border == Border::Kept {
             connectivity.fix_borders();
         }
         connectivity
@@ -295,7 +318,9 @@ impl<'a> SimplifyJob<'a> {
     }
 
     /// Measures the distances between triangles and the original; `origins` has the triangle of the original for each.
-    fn measure(&self, triangles: &[[u32; 3]], origins: &[u32]) -> Result<Deviation, Cancelled> {
+    /// Also returns the seconds that it took.
+    fn measure(&self, triangles: &[[u32; 3]], origins: &[u32]) -> Result<(Deviation, f64), Cancelled> {
+        let start = Instant::now();
         let progress = self.progress.quiet();
         let (original, view) = (self.view(&self.wedges.triangles), self.view(triangles));
         let Some(simplified) = TriangleSurface::new(&self.wedges.points, triangles) else {
@@ -309,7 +334,7 @@ impl<'a> SimplifyJob<'a> {
             rotate_to_smallest(origin) == rotate_to_smallest(triangles[k])
         };
         let of_simplified = measure_simplified(view, is_original, &at_points, self.surface(), progress)?;
-        Ok(Deviation { of_original, of_simplified })
+        Ok((Deviation { of_original, of_simplified }, start.elapsed().as_secs_f64()))
     }
 
     /// Simplifies to few vertices within a distance, in units of the unit box.
@@ -341,12 +366,17 @@ impl<'a> SimplifyJob<'a> {
             at_least: side.at_least.min(limit),
             ..side
         };
-        let deviation = self.measure(&triangles, &origins)?;
-        let deviation = Deviation {
-            of_original: within(deviation.of_original),
-            of_simplified: within(deviation.of_simplified),
+        let deviation = if self.params.is_measured {
+            let (deviation, seconds) = self.measure(&triangles, &origins)?;
+            let deviation = Deviation {
+                of_original: within(deviation.of_original),
+                of_simplified: within(deviation.of_simplified),
+            };
+            Some((deviation, seconds))
+        } else {
+            None
         };
-        Ok((Candidate { triangles, origins, deviation: Some(deviation) }, Why::Reached))
+        Ok((Candidate { triangles, origins, deviation, within: Some(limit) }, Why::Reached))
     }
 
     /// Simplifies to `n` vertices, or to as few as possible.
@@ -365,18 +395,23 @@ impl<'a> SimplifyJob<'a> {
             }
             Ok(())
         };
-        // The search structure is needed for the measurement.
-        let prepare = || self.progress.check().map(|()| self.surface().len());
-        rayon::join(collapse, prepare).0?;
+        // The search structure is needed for the measurement and for the nearest faces.
+        if self.params.is_measured || self.params.has_nearest_faces {
+            let prepare = || self.progress.check().map(|()| self.surface().len());
+            rayon::join(collapse, prepare).0?;
+        } else {
+            let mut collapse = collapse;
+            collapse()?;
+        }
         let (triangles, origins) = collapser.connectivity.triangles();
         let why = if count > n { Why::Stuck } else { Why::Reached };
-        Ok((Candidate { triangles, origins, deviation: None }, why))
+        Ok((Candidate { triangles, origins, deviation: None, within: None }, why))
     }
 
     fn unchanged(&self) -> Candidate {
         let triangles = self.wedges.triangles.clone();
         let origins = (0..triangles.len() as u32).collect();
-        Candidate { triangles, origins, deviation: Some(Deviation::default()) }
+        Candidate { triangles, origins, deviation: Some((Deviation::default(), 0.0)), within: Some(0.0) }
     }
 
     /// Translates a result to vertices, corners and faces of the original.
@@ -387,20 +422,18 @@ impl<'a> SimplifyJob<'a> {
         why: Why,
         n_vertices_before: usize,
     ) -> Result<SimplifiedMesh, SimplifyError> {
-        let Candidate { triangles, origins, deviation } = candidate;
+        let Candidate { triangles, origins, deviation, within } = candidate;
         let deviation = match deviation {
-            Some(deviation) => deviation,
-            None => self.measure(&triangles, &origins)?,
+            None if self.params.is_measured => Some(self.measure(&triangles, &origins)?),
+            found => found,
         };
-        let (charts, progress) = (&self.charts, self.progress.quiet());
-        let nearest = provenance::nearest_triangles(
-            &self.wedges,
-            &triangles,
-            &origins,
-            charts,
-            self.surface(),
-            progress,
-        )?;
+        let nearest = if self.params.has_nearest_faces {
+            let (charts, progress) = (&self.charts, self.progress.quiet());
+            let surface = self.surface();
+            provenance::nearest_triangles(&self.wedges, &triangles, &origins, charts, surface, progress)?
+        } else {
+            origins
+        };
         let corners = provenance::corners(&self.wedges, &triangles);
         let face_of = faces_of_corners(mesh);
         let faces = nearest.iter().map(|&t| face_of(self.wedges.corners[t as usize][0])).collect();
@@ -410,7 +443,9 @@ impl<'a> SimplifyJob<'a> {
             triangles,
             corners,
             faces,
-            deviation: deviation.scaled_by(self.wedges.unit),
+            deviation: deviation.map(|(deviation, _)| deviation.scaled_by(self.wedges.unit)),
+            measure_seconds: deviation.map_or(0.0, |(_, seconds)| seconds),
+            within: within.map(|within| within * self.wedges.unit),
             n_vertices_before,
             n_triangles_before: self.wedges.triangles.len(),
             n_left_out: self.wedges.n_left_out,

@@ -96,7 +96,7 @@ fn bounds_of_the_distance_hold_for_dense_samples_and_are_close() {
         let points = points_of(mesh, &simplified);
         let after: Vec<_> = simplified.triangles.iter().map(|t| t.map(|x| points[x as usize])).collect();
         let before = triangles_of(mesh);
-        let deviation = simplified.deviation;
+        let deviation = simplified.deviation.unwrap();
         for (side, from, to) in
             [(deviation.of_original, &before, &after), (deviation.of_simplified, &after, &before)]
         {
@@ -118,7 +118,7 @@ fn the_measured_error_is_at_most_the_one_asked_for_and_less_error_keeps_more() {
     for share in [0.0005, 0.002, 0.01, 0.03] {
         let error = share * adwave::shape::diagonal(mesh.points());
         let simplified = simplify(&mesh, MeshTarget::Error(error));
-        let measured = simplified.deviation.greatest();
+        let measured = simplified.deviation.unwrap().greatest();
         assert!(measured <= error + ROUNDING, "{measured} is beyond {error}");
         assert!(simplified.kept.len() < last, "{} at {share}", simplified.kept.len());
         // Few vertices: most of the allowed error is used.
@@ -164,7 +164,7 @@ fn nothing_that_can_be_dropped_leaves_the_shape_as_it_is() {
     let rough = grid(6, |x, y| f64::from(x * x + y * y));
     let simplified = simplify(&rough, MeshTarget::Error(0.0));
     assert_eq!((simplified.why, simplified.kept.len()), (Why::Unchanged, 49));
-    assert_eq!(simplified.deviation.greatest(), 0.0);
+    assert_eq!(simplified.deviation.unwrap().greatest(), 0.0);
     assert_eq!(simplify(&rough, MeshTarget::Vertices(49)).why, Why::Unchanged);
     assert_eq!(simplify(&rough, MeshTarget::Vertices(5000)).why, Why::Unchanged);
 }
@@ -270,7 +270,7 @@ fn edges_of_three_triangles_stay() {
     let mesh = Mesh::new(points, Polygons::from_triangles(&triangles)).unwrap();
     let simplified = simplify(&mesh, MeshTarget::Error(1e-6));
     assert!(simplified.kept.len() < 30, "{}", simplified.kept.len());
-    assert!(simplified.deviation.greatest() < 1e-6);
+    assert!(simplified.deviation.unwrap().greatest() < 1e-6);
 }
 
 #[test]
@@ -305,7 +305,10 @@ fn sizes_from_1e_minus_200_to_1e90_give_the_same_vertices() {
         let scaled = Mesh::new(points, mesh.faces().clone()).unwrap();
         let simplified = simplify(&scaled, MeshTarget::Ratio(0.3));
         assert_eq!(simplified.kept, kept);
-        assert!(simplified.deviation.greatest().is_finite() && simplified.deviation.greatest() > 0.0);
+        assert!(
+            simplified.deviation.unwrap().greatest().is_finite()
+                && simplified.deviation.unwrap().greatest() > 0.0
+        );
     }
 }
 
@@ -320,4 +323,29 @@ fn any_number_of_threads_gives_the_same_bits_and_a_stop_is_heard() {
     let stop = AtomicBool::new(true);
     let stopped = simplify_mesh(&mesh, None, &params, Progress::none().with_cancel(&stop));
     assert!(matches!(stopped, Err(SimplifyError::Cancelled(_))));
+}
+
+#[test]
+fn what_is_not_asked_for_is_left_out_and_changes_nothing_else() {
+    let mesh = sample("creature", 3000);
+    for target in [MeshTarget::Ratio(0.2), MeshTarget::Error(0.02)] {
+        let params = MeshParams::new(target);
+        let whole = simplify_mesh(&mesh, None, &params, Progress::none()).unwrap();
+        let fast = params.with_measure(false).with_nearest_faces(false);
+        let fast = simplify_mesh(&mesh, None, &fast, Progress::none()).unwrap();
+        assert_eq!(
+            (&fast.kept, &fast.triangles, &fast.corners),
+            (&whole.kept, &whole.triangles, &whole.corners)
+        );
+        assert!(fast.deviation.is_none() && fast.measure_seconds == 0.0 && whole.measure_seconds > 0.0);
+        assert!(fast.faces.iter().all(|&face| (face as usize) < mesh.faces().len()));
+        match target {
+            MeshTarget::Error(error) => {
+                assert_eq!(fast.within, whole.within);
+                let within = fast.within.unwrap();
+                assert!(within <= error && whole.deviation.unwrap().greatest() <= within * (1.0 + 1e-12));
+            }
+            _ => assert!(fast.within.is_none() && whole.within.is_none()),
+        }
+    }
 }

@@ -64,6 +64,7 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
         return Ok(ExportedShape { vertices: (0..n as u32).step_by(step).collect(), triangles: Vec::new() });
     };
     let params = MeshParams::new(MeshTarget::Vertices(MAX_VERTICES));
+    let params = params.with_measure(false).with_nearest_faces(false);
     let simplified =
         simplify_mesh(mesh, None, &params, session.progress()).map_err(|e| ApiError::from_classified(&e))?;
     Ok(ExportedShape { vertices: simplified.kept, triangles: simplified.triangles })

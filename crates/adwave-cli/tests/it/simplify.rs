@@ -42,13 +42,29 @@ fn textured(folder: &Path, n: usize) {
 fn an_error_is_kept_to_and_measured() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let found = json(path, "simplify sample:creature -o small.ply --error 0.2%");
+    let found = json(path, "simplify sample:creature -o small.ply --error 0.2% --measure");
     let (before, after) = (number(&found["vertices"]["before"]), number(&found["vertices"]["after"]));
     assert!(after < 0.6 * before, "{before} → {after}");
-    assert!(number(&found["error"]["greatest"]) <= 0.002 * number(&found["diagonal"]) * (1.0 + 1e-9));
+    let allowed = 0.002 * number(&found["diagonal"]) * (1.0 + 1e-9);
+    assert!(number(&found["error"]["greatest"]) <= number(&found["within"]) * (1.0 + 1e-9));
+    assert!(number(&found["within"]) <= allowed && number(&found["seconds"]["measure"]) > 0.0);
+    // Without the measurement the same mesh, and the distance that the collapses have proven.
+    let unmeasured = json(path, "simplify sample:creature -o same.ply --error 0.2%");
+    assert_eq!((&unmeasured["error"], &unmeasured["within"]), (&Value::Null, &found["within"]));
+    assert_eq!(fs::read(path.join("small.ply")).unwrap(), fs::read(path.join("same.ply")).unwrap());
+    let said = adwave(path).args(words("simplify sample:creature -o s.ply --error 0.2%")).assert().success();
+    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(said.contains("no point of either surface is farther than"), "{said}");
+    let said = adwave(path).args(words("simplify sample:creature -o s.ply --ratio 0.5")).assert().success();
+    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(said.contains("not measured (--measure)"), "{said}");
+    let said = refused(path, "simplify sample:creature --as cloud -o s.ply --ratio 0.5 --measure");
+    assert!(said.contains("clouds are always measured"), "{said}");
     assert_eq!(number(&json(path, "info small.ply")["health"]["vertices"]), after);
-    let text =
-        adwave(path).args(words("simplify sample:creature -o small.ply --vertices 500")).assert().success();
+    let text = adwave(path)
+        .args(words("simplify sample:creature -o small.ply --vertices 500 --measure"))
+        .assert()
+        .success();
     let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
     assert!(
         text.contains("vertices") && text.contains("rms by area") && text.contains("no point is farther"),
@@ -166,7 +182,7 @@ fn fewer_vertices_than_the_parts_need_are_refused_with_the_reason() {
         said.contains("note: asked for 5 vertices, reached 12: 3 parts need at least 12 vertices"),
         "{said}"
     );
-    let found = json(path, "simplify parts.obj -o few.obj --vertices 13");
+    let found = json(path, "simplify parts.obj -o few.obj --vertices 13 --measure");
     assert_eq!((number(&found["vertices"]["after"]), &found["reached"]), (13.0, &Value::Bool(true)));
     let error = &found["error"];
     assert!(number(&error["at_least"]) <= number(&error["greatest"]));
@@ -262,7 +278,7 @@ fn a_part_with_long_triangles_keeps_its_distance_and_its_handles() {
     };
     let before = read("part.off");
     for target in ["--error 0.2%", "--ratio 0.2", "--ratio 0.05"] {
-        let found = json(path, &format!("simplify part.off -o small.off {target}"));
+        let found = json(path, &format!("simplify part.off -o small.off {target} --measure"));
         let after = read("small.off");
         assert_eq!(topology(&before.1), topology(&after.1), "{target}");
         let greatest = number(&found["error"]["greatest"]);

@@ -385,7 +385,7 @@ fn bounds_of_simplified_meshes_hold() {
             _ => Mesh::ball(7, &mut random).soup(&mut random),
         };
         mesh.save(&folder.join("a.ply"));
-        let line = format!("simplify a.ply -o s.ply --ratio {}", 0.25 + 0.5 * random.next());
+        let line = format!("simplify a.ply -o s.ply --measure --ratio {}", 0.25 + 0.5 * random.next());
         let Some(json) = report(folder, &line, &mut faults) else { continue };
         let result = read(&folder.join("s.ply"));
         let faces = result.faces().iter().map(|f| [f[0] as usize, f[1] as usize, f[2] as usize]).collect();

@@ -24,7 +24,12 @@ use std::fmt::Write;
 /// The simplified shape and the report on it.
 struct Simplified {
     file: ShapeFile,
-    deviation: Deviation,
+    /// Distances between both shapes, if they were measured.
+    deviation: Option<Deviation>,
+    /// Seconds of the time of the simplification that measuring took.
+    measure_seconds: f64,
+    /// Distance that all points of both surfaces are proven to keep.
+    within: Option<f64>,
     is_changed: bool,
     /// Number of vertices that remain of those that take part.
     n_vertices: usize,
@@ -116,7 +121,8 @@ fn simplify_mesh_file(
     let weights = load_weights(args, input, global)?;
     let appearance = Appearance { labels: labels.as_deref(), values, weights: weights.as_deref() };
     let simplified = with_progress(global, "simplifying", |progress| {
-        let params = MeshParams::new(target).with_border(border);
+        let params = MeshParams::new(target).with_border(border).with_measure(args.measure);
+        let params = params.with_nearest_faces(!input.file.face_fields().is_empty());
         simplify_mesh_with_appearance(mesh, appearance, &params, progress)
     })
     .map_err(|e| name_error(input, e))?;
@@ -147,6 +153,8 @@ fn simplify_mesh_file(
         }),
         file,
         deviation: simplified.deviation,
+        measure_seconds: simplified.measure_seconds,
+        within: simplified.within,
         is_changed,
         n_vertices,
         lines,
@@ -178,6 +186,9 @@ fn coarse_level(
     global: &Global<'_>,
 ) -> Result<Simplified, CliError> {
     global.given.refuse(&["--keep-border", "--weights"], "applies to --error, --vertices and --ratio")?;
+    global
+        .given
+        .refuse(&["--measure"], "applies to --error, --vertices and --ratio; a level is always measured")?;
     let name_error = |error: SubdivisionError| match error {
         SubdivisionError::Cancelled(_) => CliError::Cancelled,
         other => CliError::Input(format!("{}: {other}", input.name)),
@@ -216,6 +227,8 @@ fn coarse_level(
         }),
         file,
         deviation: measured.deviation,
+        measure_seconds: measured.measure_seconds,
+        within: None,
         is_changed: true,
         n_vertices: measured.kept.len(),
         lines,
@@ -263,6 +276,7 @@ fn simplify_cloud_file(
         ));
     }
     global.given.refuse(&["--level"], &format!("applies to meshes, and {} is a cloud", input.name))?;
+    global.given.refuse(&["--measure"], "applies to meshes; clouds are always measured")?;
     let target = match (args.error, args.vertices, args.ratio) {
         (Some(error), ..) => CloudTarget::Spacing(error.to_model_units(input.shape.extent())),
         (_, Some(n), _) => CloudTarget::Points(n),
@@ -290,7 +304,9 @@ fn simplify_cloud_file(
     Ok(Simplified {
         details: json!({"spacing": thinned.spacing}),
         file,
-        deviation: thinned.deviation,
+        deviation: Some(thinned.deviation),
+        measure_seconds: 0.0,
+        within: None,
         is_changed,
         n_vertices: thinned.kept.len(),
         lines: vec![line],
@@ -334,23 +350,23 @@ const MAX_BOUND_RATIO: f64 = 1.02;
 /// Distances caused by rounding, as a share of the diagonal.
 const ROUNDING_SHARE: f64 = 1e-11;
 
-fn report(
-    args: &SimplifyArgs,
-    input: &Input,
-    simplified_shape: &Simplified,
-    seconds: &SimplifySeconds,
-    global: &Global<'_>,
-) -> Result<(), CliError> {
-    let (before, after) = (input.shape.n_vertices(), simplified_shape.n_vertices);
+/// What is known of the distances between both shapes.
+fn error_text(input: &Input, simplified_shape: &Simplified) -> String {
     let diagonal = input.shape.extent();
-    let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
-    let bytes = global.files.size(&args.output);
+    let percent = |length: f64| percent_of(length, diagonal);
+    let Some(deviation) = simplified_shape.deviation else {
+        return match simplified_shape.within {
+            Some(within) => format!(
+                "no point of either surface is farther than {} ({} % of the diagonal), which every collapse has proven \
+                 (--measure measures the largest distance and the rms)",
+                number(within),
+                percent(within)
+            ),
+            None => "not measured (--measure)".to_owned(),
+        };
+    };
+    let (greatest, rms, at_least) = (deviation.greatest(), deviation.rms(), deviation.lower_bound());
     let by = if input.shape.is_mesh() { "rms by area" } else { "rms" };
-    let mut text = format!("{}: {before} → {after} vertices\n", input.name);
-    for line in &simplified_shape.lines {
-        let _ = writeln!(text, "  {line}");
-    }
-    let at_least = simplified_shape.deviation.lower_bound();
     let is_close = greatest <= MAX_BOUND_RATIO * at_least + ROUNDING_SHARE * diagonal;
     let basis = match input.shape {
         Shape::Mesh(_) if is_close => "no point is farther; measured on the result".to_owned(),
@@ -362,19 +378,37 @@ fn report(
         }
         _ => "measured on the result".to_owned(),
     };
-    let _ = writeln!(
-        text,
-        "  error      greatest {} ({} % of the diagonal), {by} {} ({} %); {basis}",
+    format!(
+        "greatest {} ({} % of the diagonal), {by} {} ({} %); {basis}",
         number(greatest),
-        percent_of(greatest, diagonal),
+        percent(greatest),
         number(rms),
-        percent_of(rms, diagonal),
-    );
+        percent(rms)
+    )
+}
+
+fn report(
+    args: &SimplifyArgs,
+    input: &Input,
+    simplified_shape: &Simplified,
+    seconds: &SimplifySeconds,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let (before, after) = (input.shape.n_vertices(), simplified_shape.n_vertices);
+    let diagonal = input.shape.extent();
+    let bytes = global.files.size(&args.output);
+    let mut text = format!("{}: {before} → {after} vertices\n", input.name);
+    for line in &simplified_shape.lines {
+        let _ = writeln!(text, "  {line}");
+    }
+    let _ = writeln!(text, "  error      {}", error_text(input, simplified_shape));
     if let Some(bytes) = bytes {
         let _ = writeln!(text, "  size       {bytes} bytes");
     }
-    let SimplifySeconds { read, simplify, write } = seconds;
-    let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s, written {write:.3} s");
+    let (SimplifySeconds { read, simplify, write }, measure) = (seconds, simplified_shape.measure_seconds);
+    let measured = if measure > 0.0 { format!(", measured {measure:.3} s") } else { String::new() };
+    let simplify = simplify - measure;
+    let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s{measured}, written {write:.3} s");
     let _ = writeln!(text, "{}", args.output.display());
     let side = |side: adwave_simplify::OneSided| json!({"greatest": side.greatest, "at_least": side.at_least, "rms": side.rms});
     let mut json = json!({
@@ -383,15 +417,16 @@ fn report(
         "changed": simplified_shape.is_changed,
         "vertices": {"before": before, "after": after},
         "diagonal": diagonal,
-        "error": {
-            "greatest": greatest,
-            "at_least": simplified_shape.deviation.lower_bound(),
-            "rms": rms,
-            "of_input": side(simplified_shape.deviation.of_original),
-            "of_result": side(simplified_shape.deviation.of_simplified),
-        },
+        "error": simplified_shape.deviation.map(|deviation| json!({
+            "greatest": deviation.greatest(),
+            "at_least": deviation.lower_bound(),
+            "rms": deviation.rms(),
+            "of_input": side(deviation.of_original),
+            "of_result": side(deviation.of_simplified),
+        })),
+        "within": simplified_shape.within,
         "bytes": bytes,
-        "seconds": {"read": seconds.read, "simplify": seconds.simplify, "write": seconds.write},
+        "seconds": {"read": seconds.read, "simplify": simplify, "measure": measure, "write": seconds.write},
     });
     if let (Some(json), Value::Object(details)) = (json.as_object_mut(), simplified_shape.details.clone()) {
         json.extend(details);
