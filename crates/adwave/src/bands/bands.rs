@@ -131,6 +131,28 @@ impl Bands {
         self.coefficients
     }
 
+    /// The same levels of another signal of `n_channels` channels whose bands are known, such as the vectors in space of
+    /// bands of directions: `levels` are its W_f(1), …, W_f(J), S_f(J).
+    ///
+    /// # Panics
+    /// Unless there are n_vertices × n_channels values for each level.
+    #[must_use]
+    pub fn with_levels(&self, n_channels: usize, levels: &[Vec<f64>]) -> Self {
+        let len = self.n_vertices * n_channels;
+        assert!(
+            levels.len() == self.steps.len() && levels.iter().all(|level| level.len() == len),
+            "a value for each vertex and channel of each level"
+        );
+        Self {
+            n_vertices: self.n_vertices,
+            n_channels,
+            steps: self.steps.clone(),
+            sigma: self.sigma.clone(),
+            info: self.info.clone(),
+            coefficients: levels.concat(),
+        }
+    }
+
     /// Calls `treat` on W_f(1), …, W_f(J), S_f(J) in turn.
     pub(crate) fn visit_levels(&mut self, treat: impl FnMut(&mut [f64])) {
         let len = self.len();

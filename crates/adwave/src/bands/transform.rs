@@ -260,7 +260,7 @@ impl Transform {
     }
 
     /// Checks a signal in the order of the rows, and that its channels come in groups of those that belong together.
-    pub(super) fn check_signal(&self, signal: &[f64], n_channels: usize) -> Result<(), BandsError> {
+    pub(crate) fn check_signal(&self, signal: &[f64], n_channels: usize) -> Result<(), BandsError> {
         check_signal(signal, self.operator.n_rows(), n_channels)?;
         let together = self.operator.channels_at_place();
         if !n_channels.is_multiple_of(together) {

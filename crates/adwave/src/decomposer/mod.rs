@@ -283,9 +283,10 @@ impl Decomposer {
         self.measure.as_deref()
     }
 
-    /// The local fit that smoothing a field about `fit` has on this domain ([`Domain::local_fit`]).
+    /// The local fit that smoothing a field about `fit` has on this domain ([`Domain::local_fit`]); directions have a
+    /// constant one.
     pub fn applied_local_fit(&self, fit: LocalFit) -> LocalFit {
-        self.domain.local_fit(fit)
+        if self.operator().channels_at_place() > 1 { LocalFit::Constant } else { self.domain.local_fit(fit) }
     }
 
     /// Domain over which a field with a value at each place is fitted.

@@ -59,6 +59,11 @@ pub enum DenoiseError {
         /// The model of the noise.
         model: NoiseModel,
     },
+    /// Directions are denoised as Gaussian noise of single fields.
+    #[error(
+        "directions are denoised one field at a time, with noise of the model gaussian; leave out the time and other models"
+    )]
+    Directions,
     /// The bands could not be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
@@ -75,7 +80,8 @@ impl ClassifiedError for DenoiseError {
             | Self::SignalLength { .. }
             | Self::NotFinite { .. }
             | Self::ImpossibleValue { .. }
-            | Self::NotInTime { .. } => ErrorKind::Input,
+            | Self::NotInTime { .. }
+            | Self::Directions => ErrorKind::Input,
             Self::Bands(error) => error.kind(),
             Self::Cancelled(cancelled) => cancelled.kind(),
         }

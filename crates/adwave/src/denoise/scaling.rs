@@ -3,7 +3,7 @@
 use super::DenoiseError;
 use crate::Progress;
 use crate::bands::{BandsParams, Precision, Schedule, Transform};
-use crate::operator::Diffusion;
+use crate::operator::{Diffusion, Operator};
 use std::sync::Arc;
 
 /// Transform of a walk whose bands have a relative error of at most `accuracy`.
@@ -12,6 +12,14 @@ pub(super) fn transform(
     accuracy: f64,
 ) -> Result<Transform, DenoiseError> {
     Ok(Transform::new(diffusion, &params(accuracy))?)
+}
+
+/// Transform of an operator without rows whose bands have a relative error of at most `accuracy`.
+pub(super) fn shared_transform(
+    operator: Arc<dyn Operator>,
+    accuracy: f64,
+) -> Result<Transform, DenoiseError> {
+    Ok(Transform::from_shared_operator(operator, &params(accuracy))?)
 }
 
 /// A transform whose bands have a relative error of at most `accuracy`.

@@ -116,6 +116,9 @@ pub fn denoise_series(
     if params.noise_model != NoiseModel::Gaussian {
         return Err(DenoiseError::NotInTime { model: params.noise_model });
     }
+    if decomposer.operator().channels_at_place() > 1 {
+        return Err(DenoiseError::Directions);
+    }
     let (n_frames, map) = (axis.n_frames(), decomposer.vertex_map());
     let row = n_frames * n_components;
     let expected = decomposer.n_vertices() * row;

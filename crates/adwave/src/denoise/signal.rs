@@ -3,7 +3,7 @@
 use super::noise_level::median;
 use super::noise_model::{NoiseModel, Stabilizer};
 use super::risk::Risk;
-use super::scaling::{scaling_functions, transform, with_accuracy};
+use super::scaling::{scaling_functions, shared_transform, transform, with_accuracy};
 use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
 use crate::bands::{Schedule, Transform};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
@@ -138,6 +138,9 @@ pub struct DenoisedSignal {
 /// parts of the mixture too. Three channels, or the first three of four (a color with alpha), are treated together;
 /// otherwise each channel is treated separately.
 ///
+/// Directions ([`Directions`](crate::directions::Directions)) are two channels that are treated together: what arrives
+/// from a neighbor is turned on its way, and the noise is that of each of the two numbers.
+///
 /// Rows at equal positions that differ by noise are repeated measurements: their mean is denoised, and all get its
 /// value. Rows that differ by more than 4 times the noise are two sides of a jump, and keep their differences.
 ///
@@ -190,9 +193,13 @@ pub fn denoise_signal(
     }
     let filled: Vec<f64> = signal.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect();
     let welded = map.try_mean(&filled, n_channels, progress)?;
-    let together = if matches!(n_channels, 3 | 4) { CHANNELS_TOGETHER } else { 1 };
-    let mut groups: Vec<Vec<usize>> = vec![(0..together).collect()];
-    groups.extend((together..n_channels).map(|c| vec![c]));
+    let walk = with_accuracy(decomposer.transform(), ACCURACY)?;
+    walk.check_signal(&welded, n_channels)?;
+    let at_place = decomposer.operator().channels_at_place();
+    if at_place > 1 && model != NoiseModel::Gaussian {
+        return Err(DenoiseError::Directions);
+    }
+    let groups = channel_groups(n_channels, at_place);
     let (mut values, mut info) = (signal.to_vec(), Vec::new());
     for (k, channels) in groups.iter().enumerate() {
         progress.step(k as u64, groups.len() as u64)?;
@@ -206,7 +213,6 @@ pub fn denoise_signal(
             let domains = Some(domains).filter(|_| is_linear);
             ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains }
         };
-        let walk = with_accuracy(decomposer.transform(), ACCURACY)?;
         let scale = Stabilizer::new(&data, params, |data| group_of(data).level(data, &walk, progress))?;
         let stable = scale.transformed(&data);
         let (found, mut report) =
@@ -230,6 +236,16 @@ pub fn denoise_signal(
     }
     progress.step(groups.len() as u64, groups.len() as u64)?;
     Ok(DenoisedSignal { values, info })
+}
+
+/// Channels that are denoised together: those that belong together at a place, the first three of three or four, else each
+/// alone.
+fn channel_groups(n_channels: usize, at_place: usize) -> Vec<Vec<usize>> {
+    if at_place == 1 && matches!(n_channels, 3 | 4) {
+        let rest = (CHANNELS_TOGETHER..n_channels).map(|c| vec![c]);
+        return std::iter::once((0..CHANNELS_TOGETHER).collect()).chain(rest).collect();
+    }
+    (0..n_channels).step_by(at_place).map(|c| (c..c + at_place).collect()).collect()
 }
 
 /// Rows of a signal at equal positions, for one group of channels.
@@ -323,7 +339,8 @@ struct ShapeWalk<'a> {
 /// A walk that favors neighbors with similar values of the signal.
 struct LedWalk {
     transform: Transform,
-    rows: Arc<Diffusion>,
+    /// Its rows; `None` for directions, which are smoothed about a mean.
+    rows: Option<Arc<Diffusion>>,
 }
 
 impl<'a> ChannelGroup<'a> {
@@ -335,7 +352,9 @@ impl<'a> ChannelGroup<'a> {
         progress: Progress<'_>,
     ) -> Result<f64, DenoiseError> {
         let fits = self.fits(walk, progress)?;
-        if fits.is_empty() {
+        if self.decomposer.operator().channels_at_place() > 1 {
+            self.noise_of_directions(data, walk, progress)
+        } else if fits.is_empty() {
             self.noise_level(data, progress)
         } else {
             self.noise_about_fits(data, &fits, progress)
@@ -467,6 +486,9 @@ impl<'a> ChannelGroup<'a> {
         progress: Progress<'_>,
     ) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let led = |by: &[f64]| -> Result<LedWalk, DenoiseError> {
+            if let Some(operator) = self.decomposer.operator().weighed_by_guide(by, REACH, progress)? {
+                return Ok(LedWalk { transform: shared_transform(operator, ACCURACY)?, rows: None });
+            }
             let guide: Vec<[f64; 3]> = by
                 .chunks_exact(self.d)
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
@@ -475,12 +497,16 @@ impl<'a> ChannelGroup<'a> {
             let rows = self.decomposer.step_rows(progress)?;
             let rows = rows.weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
             let rows = Arc::new(rows);
-            Ok(LedWalk { transform: transform(Arc::clone(&rows), ACCURACY)?, rows })
+            Ok(LedWalk { transform: transform(Arc::clone(&rows), ACCURACY)?, rows: Some(rows) })
         };
         let scaling_by = |led: &LedWalk, n_levels: usize| {
             let schedule = Schedule::dyadic(n_levels).expect("a few levels");
-            let fits =
-                distinct_fits(&walk.fits, |fit| fit.with_transform(&led.transform, &led.rows, progress))?;
+            let fits = match &led.rows {
+                Some(rows) => {
+                    distinct_fits(&walk.fits, |fit| fit.with_transform(&led.transform, rows, progress))?
+                }
+                None => Vec::new(),
+            };
             self.scaling(&led.transform, &fits, data, &schedule, n_levels, progress)
         };
         let plain_schedule = Schedule::real(PLAIN_STEPS.to_vec()).expect("increasing numbers");
@@ -508,45 +534,64 @@ impl<'a> ChannelGroup<'a> {
             let white = white_noise(field.len(), c);
             channels.push([fit.residuals(&field, progress)?, fit.residuals(&white, progress)?]);
         }
-        Ok(self.level_of_residuals(data, channels, neighbors, progress)?)
+        let differ = |field: &[f64]| self.differences(field, neighbors, progress);
+        Ok(self.level_of_residuals(data, channels, neighbors, differ)?)
+    }
+
+    /// Standard deviation of the noise of each of the two numbers of a direction, from the differences between
+    /// directions and those that arrive in a step.
+    fn noise_of_directions(
+        &self,
+        data: &[f64],
+        walk: &Transform,
+        progress: Progress<'_>,
+    ) -> Result<f64, DenoiseError> {
+        let differ = |field: &[f64]| -> Result<Vec<f64>, Cancelled> {
+            let mut out = vec![0.0; field.len()];
+            walk.operator().difference(field, self.d, &mut out, progress)?;
+            Ok(out)
+        };
+        let fields = vec![[differ(data)?, differ(&white_noise(data.len(), 0))?]];
+        let neighbors = self.decomposer.try_neighbors(progress)?;
+        Ok(self.level_of_residuals(data, fields, neighbors, differ)?)
     }
 
     /// Standard deviation of the noise, from the differences between values and the means of their neighbors.
     fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
         let neighbors = self.decomposer.try_neighbors(progress)?;
+        let differ = |field: &[f64]| self.differences(field, neighbors, progress);
         let mut channels = Vec::new();
         for c in 0..self.d {
             let field = channel(data, c, self.d);
             let white = white_noise(field.len(), c);
-            let about_mean = |field: &[f64]| self.differences(field, neighbors, progress);
-            channels.push([about_mean(&field)?, about_mean(&white)?]);
+            channels.push([differ(&field)?, differ(&white)?]);
         }
-        Ok(self.level_of_residuals(data, channels, neighbors, progress)?)
+        Ok(self.level_of_residuals(data, channels, neighbors, differ)?)
     }
 
-    /// Standard deviation of the noise from the residuals of each channel and those of noise of variance 1: the ratio
+    /// Standard deviation of the noise from the residuals of each field and those of noise of variance 1: the ratio
     /// of their median absolute deviations. Both are replaced by their differences from the mean of the neighbors as
-    /// long as this lowers the ratio: detail of the signal decays from each to the next, white noise does not.
+    /// long as this lowers the ratio: detail of the signal decays from each to the next, white noise does not. A field
+    /// has one number for each vertex, or those that belong together.
     fn level_of_residuals(
         &self,
         data: &[f64],
-        mut channels: Vec<[Vec<f64>; 2]>,
+        mut fields: Vec<[Vec<f64>; 2]>,
         neighbors: &Adjacency,
-        progress: Progress<'_>,
+        differ: impl Fn(&[f64]) -> Result<Vec<f64>, Cancelled>,
     ) -> Result<f64, Cancelled> {
+        let width = fields[0][0].len() * self.d / data.len().max(1);
         let mut least: Option<f64> = None;
         for order in 0..NOISE_ORDERS {
             if order > 0 {
-                for fields in &mut channels {
-                    for field in fields {
-                        *field = self.differences(field, neighbors, progress)?;
-                    }
+                for field in fields.as_flattened_mut() {
+                    *field = differ(field)?;
                 }
             }
             let typical = |which: usize| {
-                let fields = channels.iter().map(|fields| &fields[which]);
+                let fields = fields.iter().map(|fields| &fields[which]);
                 let mut known: Vec<f64> = fields
-                    .flat_map(|field| (0..field.len()).map(move |x| (x, field[x])))
+                    .flat_map(|field| (0..field.len()).map(move |i| (i / width, field[i])))
                     .filter(|(x, _)| !neighbors.row(*x).is_empty() && (self.is_known)(*x))
                     .map(|(_, v)| v.abs())
                     .collect();

@@ -26,7 +26,8 @@ pub use tensors::{TensorLogarithms, TensorOrder, exp_tensors, log_tensors};
 
 use crate::bands::BandsError;
 use crate::laplacian::{EdgesForTurns, MeshDirections, TangentTurn, turn_between};
-use crate::operator::{NoRows, OperatorKind, VectorDiffusion};
+use crate::operator::{NoRows, OperatorKind};
+use crate::sparse::VectorDiffusion;
 use crate::vector::dot;
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, named_values, parallel};
 use planes::tangent_planes;
@@ -88,6 +89,16 @@ pub enum DirectionsError {
         per_vertex: usize,
         /// Vertices of the shape.
         n_vertices: usize,
+    },
+    /// A component is infinite.
+    #[error("{what} must be finite, and vertex {vertex} has {value}; NaN stands for an unknown one")]
+    Infinite {
+        /// Name of the values.
+        what: &'static str,
+        /// The vertex, from 0.
+        vertex: usize,
+        /// The component.
+        value: f64,
     },
     /// The operator has no rows that could be turned.
     #[error(transparent)]
@@ -258,9 +269,10 @@ impl Directions {
     /// `|v|·e^{isθ}`, and parts along the normals. O(n).
     ///
     /// # Errors
-    /// [`DirectionsError::Length`] unless there are three values for each vertex.
+    /// [`DirectionsError`] unless there are three values for each vertex, or if one is infinite.
     pub fn split(&self, vectors: &[f64]) -> Result<SplitVectors, DirectionsError> {
         let n = self.check("vectors", vectors.len(), 3)?;
+        check_finite("vectors", vectors, 3)?;
         let order = self.symmetry.order();
         let vectors: &[[f64; 3]] = vectors.as_chunks().0;
         let parts = parallel::collect(n, |v| self.plane(v).coordinates(&vectors[v]));
@@ -301,9 +313,11 @@ impl Directions {
     /// principal values as its length. O(n).
     ///
     /// # Errors
-    /// [`DirectionsError::Length`] unless there are six values for each vertex and the directions are lines.
+    /// [`DirectionsError`] unless there are six values for each vertex and the directions are lines, or if a value is
+    /// infinite.
     pub fn split_tensors(&self, tensors: &[f64]) -> Result<SplitTensors, DirectionsError> {
         let n = self.check("symmetric tensors", tensors.len(), 6)?;
+        check_finite("symmetric tensors", tensors, 6)?;
         let unit = largest(tensors);
         let tensors: &[[f64; 6]] = tensors.as_chunks().0;
         let parts = parallel::collect(n, |v| {
@@ -344,6 +358,14 @@ impl Directions {
             [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
         });
         Ok(tensors.into_flattened())
+    }
+}
+
+/// Refuses infinite components, which would make some numbers of a direction unknown and others not.
+fn check_finite(what: &'static str, values: &[f64], per_vertex: usize) -> Result<(), DirectionsError> {
+    match values.iter().position(|value| value.is_infinite()) {
+        Some(at) => Err(DirectionsError::Infinite { what, vertex: at / per_vertex, value: values[at] }),
+        None => Ok(()),
     }
 }
 

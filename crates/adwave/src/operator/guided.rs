@@ -43,7 +43,7 @@ pub(crate) fn site_diffusion(
 
 /// Median of `‖v_x − v_y‖²` over neighbors.
 pub(crate) fn typical_square(neighbors: &Adjacency, vectors: &[[f64; 3]]) -> f64 {
-    median(neighbors, |x, y| squared_distance(&vectors[x], &vectors[y]))
+    median(neighbors, |x, k| squared_distance(&vectors[x], &vectors[neighbors.row(x)[k] as usize]))
 }
 
 impl Diffusion {
@@ -93,12 +93,29 @@ impl Diffusion {
         guide: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<f64, Cancelled> {
+        assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
+        let squared = |x: usize, k: usize| squared_distance(&guide[x], &guide[self.column(x, k)]);
+        self.typical_square_of(squared, |x| squared_distance(&guide[x], &[0.0; 3]), progress)
+    }
+
+    /// Median of the squared differences of a guide over neighbors, `squared(x, k)` for the k-th of vertex x;
+    /// `square(x)` is the squared size of the guide.
+    pub(crate) fn typical_square_of(
+        &self,
+        squared: impl Fn(usize, usize) -> f64 + Sync + Send,
+        square: impl Fn(usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
         let n = self.n_vertices();
-        assert_eq!(guide.len(), n, "a vector for each vertex");
-        let square: f64 = parallel::try_sum(n, progress, |x| squared_distance(&guide[x], &[0.0; 3]))?;
+        let sum: f64 = parallel::try_sum(n, progress, square)?;
         // If most neighbors are equal, any difference would be a jump, even one that rounding caused.
-        let least = LEAST_DIFFERENCE * square / n.max(1) as f64;
-        Ok(typical_square(self.neighbors(), guide).max(least))
+        let least = LEAST_DIFFERENCE * sum / n.max(1) as f64;
+        Ok(median(self.neighbors(), squared).max(least))
+    }
+
+    /// The k-th neighbor of a vertex.
+    fn column(&self, x: usize, k: usize) -> usize {
+        self.neighbors().row(x)[k] as usize
     }
 
     /// [`weigh_by_guide`](Self::weigh_by_guide) with `scale`, the s² of its formula.
@@ -110,24 +127,36 @@ impl Diffusion {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
+        let squared = |x: usize, k: usize| squared_distance(&guide[x], &guide[self.column(x, k)]);
+        self.weigh_by_squares(squared, scale, squared_length, progress)
+    }
+
+    /// [`weigh_by_guide`](Self::weigh_by_guide) with the squared differences of the guide, `squared(x, k)` for the k-th
+    /// neighbor of x, and with `scale`, the s² of its formula. The entries stay in their places.
+    pub(crate) fn weigh_by_squares(
+        &self,
+        squared: impl Fn(usize, usize) -> f64 + Sync + Send,
+        scale: f64,
+        squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let neighbors = self.neighbors();
-        let squared = |x: usize, y: usize| squared_distance(&guide[x], &guide[y]);
         let sharpness = if scale.is_finite() { sharpness(scale) } else { 0.0 };
         let values = self.weights();
         if let Semigroup::Heat { .. } = self.semigroup() {
-            let factor = |x: usize, y: usize| (-sharpness * squared(x, y)).exp();
+            let factor = |x: usize, k: usize| (-sharpness * squared(x, k)).exp();
             return self.damp_rows(factor, squared_length, progress);
         }
         let (rows, per_row) = weighted_rows(
             neighbors,
             |x, k| values[neighbors.range(x).start + k],
-            |x, k| sharpness * squared(x, neighbors.row(x)[k] as usize),
+            |x, k| sharpness * squared(x, k),
             progress,
         )?;
         diffusion(rows, &per_row, self.stationary(), squared_length, progress)
     }
 
-    /// Heat with the off-diagonal entries multiplied by `factor(x, y)`, which is symmetric and in [0, 1].
+    /// Heat with the off-diagonal entries multiplied by `factor(x, k)`, which is symmetric and in [0, 1].
     fn damp_rows(
         &self,
         factor: impl Fn(usize, usize) -> f64 + Sync + Send,
@@ -142,10 +171,10 @@ impl Diffusion {
             for (x, squares) in range.zip(per_row) {
                 let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
                 values = after;
-                for (w, &y) in row.iter_mut().zip(neighbors.row(x)) {
+                for (k, (w, &y)) in row.iter_mut().zip(neighbors.row(x)).enumerate() {
                     let square = pi[x] * squared_length(x, y as usize);
                     squares[0] += *w * square;
-                    *w *= factor(x, y as usize);
+                    *w *= factor(x, k);
                     squares[1] += *w * square;
                 }
             }
@@ -241,13 +270,14 @@ fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usiz
     (-least, sum)
 }
 
-/// Median of a number per entry, from a sample of about [`SAMPLED_ENTRIES`] entries; 0 without entries.
+/// Median of a number per entry, `number(x, k)` for the k-th of row x, from a sample of about [`SAMPLED_ENTRIES`]
+/// entries; 0 without entries.
 fn median(neighbors: &Adjacency, number: impl Fn(usize, usize) -> f64) -> f64 {
     let rows_apart = (neighbors.nnz() / SAMPLED_ENTRIES).max(1);
     let mut numbers: Vec<f64> = (0..neighbors.n_rows())
         .step_by(rows_apart)
-        .flat_map(|x| neighbors.row(x).iter().map(move |&y| (x, y as usize)))
-        .map(|(x, y)| number(x, y))
+        .flat_map(|x| (0..neighbors.row(x).len()).map(move |k| (x, k)))
+        .map(|(x, k)| number(x, k))
         .collect();
     if numbers.is_empty() {
         return 0.0;

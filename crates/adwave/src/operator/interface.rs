@@ -185,6 +185,21 @@ pub trait Operator: Debug + Send + Sync {
         Ok(None)
     }
 
+    /// This operator with steps that favor places with similar values of a guide, n_rows ×
+    /// [`channels_at_place`](Self::channels_at_place), as [`Diffusion::weigh_by_guide`] does for scalars. An operator
+    /// of scalars need not implement this: a walk between its neighbors is weighed in its place.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    fn weighed_by_guide(
+        &self,
+        _guide: &[f64],
+        _reach: f64,
+        _progress: Progress<'_>,
+    ) -> Result<Option<Arc<dyn Operator>>, Cancelled> {
+        Ok(None)
+    }
+
     /// Measure whose integrals the operator keeps, by which means over the places are weighted: the domain's for heat,
     /// and the number of places for a walk.
     fn kept_measure(&self) -> KeptMeasure {

@@ -11,7 +11,6 @@ mod local;
 mod row_function;
 mod spectrum;
 mod surface;
-mod vectors;
 
 pub(crate) use difference_steps::DifferenceSteps;
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
@@ -23,7 +22,6 @@ pub use interface::{
 pub use local::{LocalOperator, local_operator, local_operator_of_neighbors};
 pub use row_function::RowFunction;
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
-pub(crate) use vectors::VectorDiffusion;
 
 use crate::named_values;
 use crate::shape::{CloudArea, MeshArea, WeldMode};

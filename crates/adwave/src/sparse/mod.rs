@@ -9,6 +9,8 @@ mod single;
 mod tile_weights;
 mod tiled_diffusion;
 mod tiles;
+mod vector_diffusion;
+mod vector_recurrence;
 mod wide_clenshaw;
 mod wide_recurrence;
 
@@ -16,6 +18,7 @@ pub(crate) use block_width::{block_width, is_wide};
 pub(crate) use prepared_diffusion::PreparedDiffusion;
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
+pub(crate) use vector_diffusion::VectorDiffusion;
 pub(crate) use wide_clenshaw::{ClenshawTerm, wide_clenshaw};
 
 /// Values of a signal, n_vertices × n_channels.

@@ -186,7 +186,7 @@ fn difference_rows<T: VectorNumber, const D: usize>(
 
 /// Best number of steps per pass, where `shares[r]` is the relative size of a tile with r rings; that of its rows
 /// is at most [`MAX_SHARE`].
-fn best_depth(shares: &[f64]) -> usize {
+pub(super) fn best_depth(shares: &[f64]) -> usize {
     /// Fixed cost of a pass in units of a step: reading and writing the vectors and the bands.
     const PASS: f64 = 6.0;
     let cost = |depth: usize| {

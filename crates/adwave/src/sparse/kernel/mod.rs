@@ -13,10 +13,12 @@ mod rows;
 mod step;
 #[cfg(test)]
 mod tests;
+mod turned;
 mod wide;
 
 pub(crate) use number::{GROUP, VectorNumber};
 pub(crate) use rows::{RowProduct, apply_rows};
+pub(crate) use turned::{TurnedRows, turned_step};
 pub(crate) use wide::{WideNumber, WideProduct, WideRows, WideTerms};
 
 use super::tiles::{DegreeRun, Index, TileView};

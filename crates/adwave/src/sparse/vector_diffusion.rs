@@ -1,10 +1,17 @@
 //! Diffusion of directions: one step moves a vector along the entries of a scalar operator and turns it on its way.
 
-use super::{Diffusion, DiffusionError, Invariant, Operator, RowWeights, Semigroup};
+use super::vector_recurrence::{VectorRecurrence, VectorTiles};
 use crate::laplacian::TangentTurn;
+use crate::operator::{
+    BlockPrecision, DifferenceSteps, Diffusion, DiffusionError, Invariant, Operator, RowOutput, RowWeights,
+    Semigroup, SignalBlock, Steps,
+};
 use crate::parallel;
 use crate::{Cancelled, Progress};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
+
+/// Largest number of channels that whole vectors take together.
+const WHOLE_CHANNELS: usize = 8;
 
 /// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 2048;
@@ -20,9 +27,11 @@ const ROWS_AT_A_TIME: usize = 2048;
 pub(crate) struct VectorDiffusion {
     scalars: Arc<Diffusion>,
     /// R_xy of each entry.
-    turns: Vec<TangentTurn>,
+    turns: Arc<[TangentTurn]>,
     /// −1 where an entry mirrors the second coordinate, else 1; empty if none does.
-    mirrors: Vec<f64>,
+    mirrors: Arc<[f64]>,
+    /// The operator in tiles, cut by the first call that needs them.
+    tiled: OnceLock<Arc<VectorTiles>>,
 }
 
 impl VectorDiffusion {
@@ -31,7 +40,39 @@ impl VectorDiffusion {
     pub(crate) fn new(scalars: Arc<Diffusion>, turns: Vec<TangentTurn>, mirrors: Vec<f64>) -> Self {
         assert_eq!(turns.len(), scalars.weights().len(), "a turn for each entry");
         assert!(mirrors.is_empty() || mirrors.len() == turns.len(), "a sign for each entry or none");
-        Self { scalars, turns, mirrors }
+        Self { scalars, turns: turns.into(), mirrors: mirrors.into(), tiled: OnceLock::new() }
+    }
+
+    /// The operator of scalars.
+    pub(super) fn scalars(&self) -> &Arc<Diffusion> {
+        &self.scalars
+    }
+
+    /// R_xy of each entry.
+    pub(super) fn turns(&self) -> &[TangentTurn] {
+        &self.turns
+    }
+
+    /// The operator in tiles. O(entries) for the first call.
+    fn tiled(&self, progress: Progress<'_>) -> Result<&VectorTiles, Cancelled> {
+        if let Some(tiled) = self.tiled.get() {
+            return Ok(tiled);
+        }
+        // If two threads arrive here at once, one of them works in vain.
+        let tiled = Arc::new(VectorTiles::new(self, progress)?);
+        Ok(self.tiled.get_or_init(|| tiled))
+    }
+
+    /// `|v(x) − R_xy v(y)|²` for the k-th neighbor y of x, the same number from both sides.
+    fn squared_difference(&self, vectors: &[[f64; 2]], x: usize, k: usize) -> f64 {
+        let entry = self.scalars.neighbors().range(x).start + k;
+        let y = self.scalars.neighbors().row(x)[k] as usize;
+        let ([c, s], mirror) = (self.turns[entry], self.mirrors.get(entry).copied().unwrap_or(1.0));
+        // The way back is the inverse turn; one that mirrors is its own inverse.
+        let (here, there, s) = if x < y { (x, y, s) } else { (y, x, -mirror * s) };
+        let [u, v] = [vectors[there][0], mirror * vectors[there][1]];
+        let apart = [vectors[here][0] - (c * u - s * v), vectors[here][1] - (s * u + c * v)];
+        apart[0] * apart[0] + apart[1] * apart[1]
     }
 
     /// Adds the differences of a row for `N` vectors that lie at `x[row·stride..]`.
@@ -116,8 +157,58 @@ impl Operator for VectorDiffusion {
         2
     }
 
+    fn width(&self, _n_channels: usize, n_left: usize, _precision: BlockPrecision) -> usize {
+        // Directions that are mirrored take whole vectors, several together.
+        if self.mirrors.is_empty() { 2 } else { n_left.min(WHOLE_CHANNELS) }
+    }
+
+    fn bytes(&self, n_channels: usize, _precision: BlockPrecision) -> u64 {
+        const VECTORS: usize = 4;
+        let width = if self.mirrors.is_empty() { 2 } else { n_channels.min(WHOLE_CHANNELS) };
+        let tiles = self.tiled.get().map_or(0, |tiles| tiles.bytes());
+        let turns = size_of_val(&self.turns[..]) + size_of_val(&self.mirrors[..]);
+        self.scalars.bytes() + tiles + (turns + VECTORS * size_of::<f64>() * width * self.n_rows()) as u64
+    }
+
+    fn prepare(&self, progress: Progress<'_>) -> Result<(), Cancelled> {
+        if self.mirrors.is_empty() {
+            self.tiled(progress)?;
+        }
+        Ok(())
+    }
+
+    fn start<'a>(
+        &'a self,
+        block: SignalBlock<'a>,
+        progress: Progress<'_>,
+    ) -> Result<Box<dyn Steps + 'a>, Cancelled> {
+        let is_one = block.channels.len() == 2 && matches!(block.output, RowOutput::Channels);
+        if is_one && self.mirrors.is_empty() {
+            return Ok(Box::new(VectorRecurrence::new(self, self.tiled(progress)?, block, progress)?));
+        }
+        Ok(Box::new(DifferenceSteps::new(self, block, progress)?))
+    }
+
     fn keeps_promises(&self) -> bool {
         true
+    }
+
+    fn weighed_by_guide(
+        &self,
+        guide: &[f64],
+        reach: f64,
+        progress: Progress<'_>,
+    ) -> Result<Option<Arc<dyn Operator>>, Cancelled> {
+        let vectors: &[[f64; 2]] = guide.as_chunks().0;
+        let squared = |x: usize, k: usize| self.squared_difference(vectors, x, k);
+        let square = |x: usize| vectors[x][0] * vectors[x][0] + vectors[x][1] * vectors[x][1];
+        let typical = self.scalars.typical_square_of(squared, square, progress)?;
+        // The lengths of steps are not needed.
+        let scalars =
+            self.scalars.weigh_by_squares(squared, reach * reach * typical, |_, _| 0.0, progress)?;
+        // The entries stay in their places, and with them the turns and the tiles' neighbors, but not their weights.
+        let (turns, mirrors) = (Arc::clone(&self.turns), Arc::clone(&self.mirrors));
+        Ok(Some(Arc::new(Self { scalars: Arc::new(scalars), turns, mirrors, tiled: OnceLock::new() })))
     }
 
     fn masked(
