@@ -39,5 +39,5 @@ pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;
 pub(crate) use shape::ShapeArgs;
 pub(crate) use signal::{SignalArgs, signal_names};
-pub(crate) use time::{TimeArgs, TimeAxisArgs};
+pub(crate) use time::{GainRows, TimeArgs, TimeAxisArgs, gain_rows};
 pub(crate) use walk::{GivenWalkArgs, SCALE_NEIGHBOR, WalkArgs};

@@ -1,6 +1,6 @@
 //! Bands along time.
 
-use super::parse::parse_named;
+use super::parse::{number, parse_named};
 use adwave::bands::FWHM;
 use adwave::time::TimeEnds;
 use clap::Args;
@@ -39,6 +39,25 @@ pub(crate) struct TimeAxisArgs {
     pub(crate) time_ends: Option<TimeEnds>,
 }
 
+/// Gains of bands in space for each band along time: a row for each band along time, fine to coarse, and one for the
+/// rest.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct GainRows(pub(crate) Vec<Vec<f64>>);
+
+/// Reads rows of gains, `1,1,0;1,0,0`.
+pub(crate) fn gain_rows(text: &str) -> Result<GainRows, String> {
+    let row = |row: &str| row.split(',').map(|gain| number(gain.trim())).collect::<Result<Vec<f64>, _>>();
+    let rows = text.split(';').map(row).collect::<Result<Vec<_>, _>>()?;
+    match rows.iter().find(|row| row.len() != rows[0].len()) {
+        Some(other) => Err(format!(
+            "every row must have a gain for each band in space, got {} and {}",
+            rows[0].len(),
+            other.len()
+        )),
+        None => Ok(GainRows(rows)),
+    }
+}
+
 impl TimeArgs {
     /// Widths σ in seconds, if bands along time are asked for.
     pub(crate) fn widths(&self) -> Option<Vec<f64>> {
@@ -62,6 +81,14 @@ fn seconds(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gains_come_in_rows() {
+        assert_eq!(gain_rows("1, 0;-2,3"), Ok(GainRows(vec![vec![1.0, 0.0], vec![-2.0, 3.0]])));
+        let uneven = gain_rows("1;1,2").unwrap_err();
+        assert!(uneven.contains("got 1 and 2"), "{uneven}");
+        assert!(["", "1;", "1,x"].map(gain_rows).iter().all(Result::is_err));
+    }
 
     #[test]
     fn times_have_units() {

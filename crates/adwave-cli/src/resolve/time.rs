@@ -78,8 +78,13 @@ impl TimeBands {
         progress: Progress<'_>,
     ) -> Result<(), CliError> {
         self.filter_components(values, 1, gains, progress)?;
-        restore_held(&self.held, values);
+        self.restore_held(values);
         Ok(())
+    }
+
+    /// Puts the values of vertices that are NaN in some frames back.
+    pub(crate) fn restore_held(&self, values: &mut [f64]) {
+        restore_held(&self.held, values);
     }
 
     /// Multiplies the bands of `values`, vertices × frames × components, by `gains`. Vertices with a value that is not

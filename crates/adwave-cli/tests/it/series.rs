@@ -56,6 +56,16 @@ fn a_filter_along_time_is_that_of_the_library() {
     assert!(apart(&values(&at("both.nii.gz")), &values(&at("two.nii.gz"))) < 1e-9);
 }
 
+/// Numbers of the array of bands of this shape, which a file stores as they are.
+fn stored_bands(path: &Path, shape: &[u8], n_bands: usize) -> Vec<f64> {
+    let bytes = std::fs::read(path).unwrap();
+    let find =
+        |text: &[u8], from: usize| from + bytes[from..].windows(text.len()).position(|w| w == text).unwrap();
+    let start = find(b"\n", find(shape, 0)) + 1;
+    let numbers = bytes[start..][..n_bands * 120 * FRAMES * 8].as_chunks::<8>().0;
+    numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()
+}
+
 #[test]
 fn bands_of_space_and_time_sum_to_the_signal() {
     let folder = tempfile::tempdir().unwrap();
@@ -64,23 +74,42 @@ fn bands_of_space_and_time_sum_to_the_signal() {
     let line = "transform v.nii -o b.npz --fwhm 5,10 --time-fwhm 4s,9s";
     let report = json(folder.path(), line);
     assert_eq!(report["time"]["fwhm"].as_array().unwrap().len(), 2);
-    // The arrays are stored as they are.
-    let bytes = std::fs::read(at("b.npz")).unwrap();
-    let find =
-        |text: &[u8], from: usize| from + bytes[from..].windows(text.len()).position(|w| w == text).unwrap();
-    let header = find(b"(3, 3, 4, 5, 6, 12)", 0);
-    let start = find(b"\n", header) + 1;
-    let numbers: Vec<f64> = bytes[start..][..9 * 120 * FRAMES * 8]
-        .as_chunks::<8>()
-        .0
-        .iter()
-        .map(|bytes| f64::from_le_bytes(*bytes))
-        .collect();
+    let numbers = stored_bands(&at("b.npz"), b"(3, 3, 4, 5, 6, 12)", 9);
     let n = 120 * FRAMES;
     let sum: Vec<f64> = (0..n).map(|i| (0..9).map(|band| numbers[band * n + i]).sum()).collect();
     assert!(apart(&sum, &values(&at("v.nii"))) < 1e-11);
     let refused = refused(folder.path(), "transform v.nii -o b.nii --fwhm 5 --time-fwhm 4s");
     assert!(refused.contains(".npz"), "{refused}");
+}
+
+#[test]
+fn gains_by_time_are_those_of_the_bands_with_two_indices() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write_path(&series(Some(1.5)), &at("v.nii"), None).unwrap();
+    let levels = "--fwhm 3,6 --time-fwhm 4s";
+    json(folder.path(), &format!("transform v.nii -o bands.npz {levels}"));
+    let band = stored_bands(&at("bands.npz"), b"(3, 2, 4, 5, 6, 12)", 6);
+    let line = format!(
+        "filter v.nii -o f.nii {levels} --gains-by-time 0,0.5;2,1 --time-gains 0.25 --value-type f64"
+    );
+    let report = json(folder.path(), &line);
+    assert_eq!(report["time"]["gains_by_time"], serde_json::json!([[0.0, 0.5], [2.0, 1.0]]));
+    // Bands of space, then of time; what is left in space keeps 1, and the fine band along time a quarter of all.
+    let gains = [[0.0, 2.0], [0.5, 1.0], [1.0, 1.0]].map(|[fine, rest]| [0.25 * fine, rest]);
+    let found = values(&at("f.nii"));
+    let n = found.len();
+    let expected: Vec<f64> =
+        (0..n).map(|i| (0..6).map(|k| gains[k / 2][k % 2] * band[k * n + i]).sum()).collect();
+    assert!(apart(&found, &expected) < 1e-6, "{}", apart(&found, &expected));
+    for (line, says) in [
+        ("--fwhm 3,6 --time-fwhm 4s --gains-by-time 0,1", "2 rows"),
+        ("--fwhm 3 --time-fwhm 4s --gains-by-time 0,1;1,1 --quiet", "got 2"),
+        ("--fwhm 3 --gains-by-time 0;1", "--time-fwhm"),
+    ] {
+        let text = refused(folder.path(), &format!("filter v.nii -o s.nii {line}"));
+        assert!(text.contains(says) && !at("s.nii").exists(), "{line}: {text}");
+    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, QuantityArgs, ShapeArgs, SignalArgs,
-    TimeArgs, number, parse_named, region, regions_help, value_type,
+    GainRows, GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, QuantityArgs, ShapeArgs,
+    SignalArgs, TimeArgs, gain_rows, number, parse_named, region, regions_help, value_type,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
@@ -32,6 +32,7 @@ Examples:
   adwave filter volume.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --only values=5..
   adwave filter dem.tif -o plain.tif --lengths 100 --gains 0 --value-type f32
   adwave filter bold.nii.gz -o smooth.nii.gz --fwhm 6 --preset suppress --time-fwhm 4s
+  adwave filter bold.nii.gz -o slow.nii.gz --fwhm 6,12 --time-fwhm 4s --gains-by-time '0,0;1,1'
   adwave filter rest.dtseries.nii -o smooth.dtseries.nii --surface white_left.gii.gz \\
     --fwhm 6 --preset suppress
   adwave filter flow.ply -o calm.ply --signal wind --directions vectors \\
@@ -81,6 +82,17 @@ pub(crate) struct FilterArgs {
         help_heading = "Time"
     )]
     pub(crate) time_gains: Option<Vec<f64>>,
+    /// Gains of the bands in space for each band along time, fine to coarse, and for the rest, as rows of --gains:
+    /// '1,1;0,1;0,0' for two bands along time. --time-gains then multiply all of a band [default: 1 for each]
+    #[arg(
+        long,
+        value_name = "G,…;G,…",
+        value_parser = gain_rows,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["gains", "preset", "recipe"],
+        help_heading = "Time"
+    )]
+    pub(crate) gains_by_time: Option<GainRows>,
     #[command(flatten)]
     pub(crate) normals: NormalArgs,
 }

@@ -12,7 +12,7 @@ use crate::resolve::quantity::{Carried, QuantityReport};
 use crate::resolve::region::{note_region, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
-use adwave::filter::{Edit, Layer};
+use adwave::filter::{Edit, Gains, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
 use adwave::positions::{MoveDirection, constrain_positions};
@@ -99,15 +99,20 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
                 edited.push(own.signal.values.to_vec());
                 continue;
             }
-            let group = edited_parts(job, parts, &own.signal.values, Some(chosen), global, progress)?;
+            let group = match &job.gains_by_time {
+                Some(_) => edited_by_time(job, parts, &own.signal.values, chosen, global, progress)?,
+                None => edited_parts(job, parts, &own.signal.values, Some(chosen), global, progress)?,
+            };
             edited.push(group.values);
             if let Some(own) = group.accuracy {
                 accuracy = Some(BandsAccuracy::with(accuracy, own.precision, own.error_bound));
             }
         }
         let (mut values, quantity) = carried.join(edited, progress.quiet())?;
-        if let Some((time, gains)) = &job.time {
-            time.filter(&mut values, gains, progress.quiet())?;
+        match &job.time {
+            Some((time, _)) if job.gains_by_time.is_some() => time.restore_held(&mut values),
+            Some((time, gains)) => time.filter(&mut values, gains, progress.quiet())?,
+            None => {}
         }
         let is_shape = job.signal_name == COORDS;
         // For positions, the movement is reported instead.
@@ -168,6 +173,32 @@ pub(super) fn edited_parts(
         Ok(edited.values)
     })?;
     Ok(EditedGroup { values, accuracy })
+}
+
+/// The signal after an edit with other gains for each band along time; `chosen` are the levels, and the layer whose gains
+/// are replaced.
+fn edited_by_time(
+    job: &FilterJob<'_>,
+    parts: &SignalParts,
+    values: &[f64],
+    chosen: LevelsAndLayers<'_>,
+    global: &Global<'_>,
+    progress: Progress<'_>,
+) -> Result<EditedGroup, CliError> {
+    let (time, time_gains) = job.time.as_ref().expect("rows of gains need bands along time");
+    let rows = job.gains_by_time.iter().flatten().zip(time_gains.iter().chain([&1.0]));
+    let mut all = EditedGroup { values: vec![0.0; values.len()], accuracy: None };
+    for (band, (gains, of_band)) in time.bands(values, progress.quiet())?.iter().zip(rows) {
+        let with_gains = |layer: &Layer| Layer { gains: Gains::Gains(gains.clone()), ..layer.clone() };
+        let layers: Vec<Layer> = chosen.layers.iter().map(with_gains).collect();
+        let chosen = LevelsAndLayers { layers: &layers, ..chosen };
+        let group = edited_parts(job, parts, band, Some(chosen), global, progress)?;
+        all.values.iter_mut().zip(&group.values).for_each(|(sum, value)| *sum += of_band * value);
+        if let Some(own) = group.accuracy {
+            all.accuracy = Some(BandsAccuracy::with(all.accuracy, own.precision, own.error_bound));
+        }
+    }
+    Ok(all)
 }
 
 /// Refuses a number format that a linear fit, which takes one channel after another, would not use.

@@ -3,7 +3,7 @@
 use super::FilterArgs;
 use super::args::EditArgs;
 use super::columns::Columns;
-use crate::args::QuantityArgs;
+use crate::args::{GainRows, QuantityArgs};
 use crate::commands::result_file::{ResultFile, set_value_type};
 use crate::error::CliError;
 use crate::global::Global;
@@ -45,6 +45,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) layers: Vec<Layer>,
     /// Bands along time, and their gains.
     pub(super) time: Option<(TimeBands, Vec<f64>)>,
+    /// Gains of the bands in space for each band along time and the rest.
+    pub(super) gains_by_time: Option<Vec<Vec<f64>>>,
     pub(super) keep_volume: Option<KeepVolume>,
     /// Local fit of a field or of one coordinate; `None` for coordinates that move in other directions.
     pub(super) local_fit: Option<LocalFit>,
@@ -155,6 +157,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         quantity: args.quantity,
         layers,
         time,
+        gains_by_time: args.gains_by_time.as_ref().map(|rows| rows.0.clone()),
         keep_volume: edit.keep_volume,
         local_fit: fit.filter(|_| labels.is_none() && args.quantity.are_numbers()),
         labels,
@@ -174,21 +177,16 @@ fn time_bands(
     signal: &mut Signal,
     global: &Global<'_>,
 ) -> Result<Option<(TimeBands, Vec<f64>)>, CliError> {
+    args.quantity.check_signal(signal_name)?;
     if !args.quantity.are_numbers() {
-        if signal_name == COORDS {
-            return Err(CliError::Input(
-                "--directions and --tensors need a field of the shape, and coordinates are positions; name one by --signal, \
-                 such as principal-direction"
-                    .to_owned(),
-            ));
-        }
         let applies = "applies to numbers, and the signal holds directions or tensors";
         let options =
             ["--as-labels", "--local-fit", "--time-fwhm", "--time-lengths", "--recipe", "--save-recipe"];
         global.given.refuse(&options, applies)?;
     }
     let Some(time) = TimeBands::resolve(&args.time, signal_name, signal, global)? else { return Ok(None) };
-    let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
+    let usual = if args.gains_by_time.is_some() { 1.0 } else { 0.0 };
+    let gains = args.time_gains.clone().unwrap_or_else(|| vec![usual; time.widths.len()]);
     time.check_gains(&gains)?;
     Ok(Some((time, gains)))
 }
@@ -281,7 +279,23 @@ fn reshaped_by(recipe: Option<&Recipe>, signal_name: &str) -> Result<Option<Resh
 
 /// The layers that the flags or the recipe ask for.
 fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
-    let (is_in_time, args) = (args.time.widths().is_some(), &args.edit);
+    let n_widths = args.time.widths().map(|widths| widths.len());
+    if let Some(GainRows(rows)) = &args.gains_by_time {
+        let n_bands = match n_widths {
+            None => {
+                let applies = "applies to bands along time (--time-fwhm or --time-lengths)";
+                return Err(CliError::Input(format!("--gains-by-time {applies}")));
+            }
+            Some(n_widths) => n_widths + 1,
+        };
+        if rows.len() != n_bands {
+            return Err(CliError::Input(format!(
+                "--gains-by-time must have {n_bands} rows, one for each band along time and one for the rest, got {}",
+                rows.len()
+            )));
+        }
+    }
+    let (is_in_time, by_time, args) = (n_widths.is_some(), &args.gains_by_time, &args.edit);
     if is_in_time {
         // A recipe would lose them.
         global.given.refuse(
@@ -295,7 +309,7 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Re
         }
         return Ok(recipe.layers.clone());
     }
-    let gains = match (args.preset, &args.gains) {
+    let gains = match (args.preset, by_time.as_ref().map(|rows| &rows.0[0]).or(args.gains.as_ref())) {
         (Some(preset), _) => Gains::Preset(preset),
         (None, Some(gains)) => Gains::Gains(gains.clone()),
         (None, None) if is_in_time => {
@@ -316,7 +330,8 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Re
 fn levels(args: &FilterArgs, recipe: Option<&Recipe>) -> FilterLevels {
     let asked = args.levels.to_spec();
     let is_asked = asked != LevelSpec::Default;
-    match (recipe, &args.edit.gains) {
+    let by_time = args.gains_by_time.as_ref().map(|rows| &rows.0[0]);
+    match (recipe, by_time.or(args.edit.gains.as_ref())) {
         (Some(recipe), _) if !is_asked => FilterLevels { spec: recipe.levels.clone(), is_from_recipe: true },
         (None, Some(gains)) if !is_asked => {
             FilterLevels { spec: LevelSpec::Dyadic(gains.len()), is_from_recipe: false }

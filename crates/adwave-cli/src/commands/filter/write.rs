@@ -54,6 +54,10 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
     if let Some((time, gains)) = &job.time {
         time.describe(&mut text, Some(gains));
         report["time"] = time.to_json(Some(gains));
+        if let Some(rows) = &job.gains_by_time {
+            report["time"]["gains_by_time"] = json!(rows);
+            report["layers"] = json!([]);
+        }
     }
     if let EditedSignal::Points(points) = &edited {
         let geometry = decomposer.geometry_for("a report of the movement")?;
