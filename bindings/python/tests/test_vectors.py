@@ -130,3 +130,37 @@ def test_the_operator_of_directions_is_pickled(ball: aw.Shape) -> None:
     numbers = field.complex.view(np.float64).reshape(-1, 2)
     again = pickle.loads(pickle.dumps(field.decomposer))
     np.testing.assert_array_equal(again.smooth(numbers, steps=3), field.decomposer.smooth(numbers, steps=3))
+
+
+def test_noise_of_directions_is_found_and_goes():
+    ball = aw.sample("sphere", vertices=3000)
+    truth = aw.vectors(ball, np.cross([0, 0, 1], ball.points))
+    rng = np.random.default_rng(5)
+    noisy = truth.from_complex(truth.complex + 0.2 * (rng.normal(size=3000) + 1j * rng.normal(size=3000)))
+    calm, info = noisy.denoise()
+    assert isinstance(calm, aw.VectorField) and abs(info["noise"] - 0.2) < 0.01
+    error = np.abs(calm.complex - truth.complex)
+    assert np.sqrt((error**2).mean()) < 0.1 * 0.2 * np.sqrt(2)
+    same = noisy.denoise(noise=0.2, strength=0)
+    np.testing.assert_array_equal(same.result.complex, noisy.complex)
+    # A vector that is unknown stays unknown, and its neighbors lose their noise.
+    holes = noisy.values
+    holes[7] = np.nan
+    calm = aw.vectors(ball, holes).denoise().result.values
+    assert np.isnan(calm[7]).all() and np.isfinite(np.delete(calm, 7, axis=0)).all()
+
+
+def test_noise_of_tensors_goes():
+    rng = np.random.default_rng(6)
+    logs = 0.2 * rng.normal(size=(10, 10, 10, 3, 3))
+    truth = np.diag([2.0, 1.0, 0.5])
+    noisy = np.einsum("ij,...jk,kl->...il", np.sqrt(truth), np.eye(3) + 0.1 * (logs + logs.swapaxes(-1, -2)), np.sqrt(truth))
+    calm, info = aw.tensors(aw.grid(np.zeros((10, 10, 10)), spacing=2.0), noisy).denoise()
+    assert len(info["groups"]) == 6
+    assert np.abs(calm.matrices - truth).mean() < 0.3 * np.abs(noisy - truth).mean()
+    ball = aw.sample("sphere", vertices=1500)
+    strain = np.eye(3) - ball.points[:, :, None] * ball.points[:, None, :]
+    rough = strain + 0.2 * rng.normal(size=(1500, 1, 1)) * strain
+    calm, info = aw.tensors(ball, rough).denoise()
+    assert len(info["groups"]) == 2
+    assert np.abs(calm.matrices - strain).mean() < 0.3 * np.abs(rough - strain).mean()

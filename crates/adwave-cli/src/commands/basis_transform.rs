@@ -22,7 +22,7 @@ use serde_json::json;
 use std::path::Path;
 
 /// Options of bands, which wavelets by lifting do not have.
-const LEVEL_OPTIONS: [&str; 12] = [
+const LEVEL_OPTIONS: [&str; 14] = [
     "--levels",
     "--voices",
     "--steps",
@@ -35,6 +35,8 @@ const LEVEL_OPTIONS: [&str; 12] = [
     "--time-lengths",
     "--time-step",
     "--time-ends",
+    "--directions",
+    "--tensors",
 ];
 
 /// Wavelets of a mesh, on vertices or on faces.

@@ -2,7 +2,8 @@
 
 use super::result_file::check_places;
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, ShapeArgs, SignalArgs, TimeArgs, number as parse_number, parse_named,
+    GivenWalkArgs, LabelArgs, LevelArgs, QuantityArgs, ShapeArgs, SignalArgs, TimeArgs,
+    number as parse_number, parse_named,
 };
 use crate::error::CliError;
 use crate::global::Global;
@@ -15,13 +16,17 @@ use crate::output::{
     percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
 };
 use crate::resolve::levels::{check_levels, resolve_levels};
-use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
+use crate::resolve::operator::{
+    mask_missing, operator_for_levels, operator_with_default, prepare, prepare_for_signal,
+};
+use crate::resolve::quantity::Carried;
 use crate::resolve::shape::{Input, load_shape, row_words};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::time::TimeBands;
 use crate::resolve::walk::with_given_walk;
-use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
+use adwave::operator::OperatorKind;
+use adwave::{Decomposer, Progress};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
 use adwave_subdivision::Family;
 use clap::Args;
@@ -45,7 +50,11 @@ Examples:
   adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity
   adwave transform volume.nii.gz -o bands.nii.gz --fwhm 4,8,16
   adwave transform bold.nii.gz -o bands.npz --fwhm 6,12 --time-fwhm 4s,16s
+  adwave transform flow.ply -o bands.vtp --signal wind --directions vectors --fwhm 2%,5%
   adwave transform fsaverage5.gii -o c.npz --basis butterfly --signal sulc5.gii --keep 0.1
+
+With --directions and --tensors bands are vectors and tensors in space; in a volume they are bands of the tensors' logarithms.
+Those of lines and crosses are one of the directions that are the same, so that they do not add up.
 
 With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level; as fields of a shape, --inverse reads them back.")]
 pub(crate) struct TransformArgs {
@@ -58,6 +67,8 @@ pub(crate) struct TransformArgs {
     pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) quantity: QuantityArgs,
     #[command(flatten)]
     pub(crate) labels: LabelArgs,
     #[command(flatten)]
@@ -93,9 +104,17 @@ struct TransformJob {
     /// Bands along time.
     time: Option<TimeBands>,
     decomposer: Decomposer,
+    quantity: QuantityArgs,
     schedule: Schedule,
     levels_reason: String,
     params: BandsParams,
+}
+
+/// The bands of a job, and the values that they are the bands of.
+struct SplitSignal<'a> {
+    bands: Bands,
+    /// The signal; of directions and tensors what takes part, of tensors in a volume their logarithms.
+    values: Cow<'a, [f64]>,
 }
 
 /// Name, shape and values of an array.
@@ -117,14 +136,45 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let mut watch = Stopwatch::start();
     let (job, read) = resolve(args, &mut watch, global)?;
     let prepare = watch.lap();
-    let bands = with_progress(global, "splitting", |progress| {
-        let request = job.decomposer.request(&job.signal.values, job.signal.n_channels, &job.schedule);
-        request.params(&job.params).progress(progress).bands()
-    })?;
+    let split_signal = split(&job, args.signal.name_on(&job.input.file), global)?;
     let split = watch.lap();
-    write(args, &job, &bands, global)?;
+    write(args, &job, &split_signal, global)?;
     let seconds = TransformSeconds { read, prepare, split, write: watch.lap() };
-    report(args, &job, &bands, &seconds, global)
+    report(args, &job, &split_signal.bands, &seconds, global)
+}
+
+/// Splits the signal of a job.
+fn split<'a>(job: &'a TransformJob, name: &str, global: &Global<'_>) -> Result<SplitSignal<'a>, CliError> {
+    with_progress(global, "splitting", |progress| {
+        let bands = |decomposer: &Decomposer, signal: &Signal, progress: Progress<'_>| {
+            let request = decomposer.request(&signal.values, signal.n_channels, &job.schedule);
+            request.params(&job.params).progress(progress).bands()
+        };
+        if job.quantity.are_numbers() {
+            let values = Cow::Borrowed(&job.signal.values[..]);
+            return Ok(SplitSignal { bands: bands(&job.decomposer, &job.signal, progress)?, values });
+        }
+        let carried =
+            Carried::new(job.quantity, &job.decomposer, &job.signal, name, global, progress.quiet())?;
+        let own = carried.signals.iter().map(|own| {
+            let masked = mask_missing(own.decomposer.clone(), &own.signal, name, global)?;
+            Ok(bands(&masked, &own.signal, progress)?)
+        });
+        let own = own.collect::<Result<Vec<Bands>, CliError>>()?;
+        let level = |k: usize| -> Result<Vec<f64>, CliError> {
+            let of_level = |bands: &'_ Bands| {
+                let len = bands.n_vertices * bands.n_channels;
+                k * len..(k + 1) * len
+            };
+            let parts: Vec<&[f64]> = own.iter().map(|bands| &bands.as_slice()[of_level(bands)]).collect();
+            carried.join_band(&parts)
+        };
+        let levels = (0..=own[0].n_levels()).map(level).collect::<Result<Vec<_>, _>>()?;
+        let given: Vec<&[f64]> = carried.signals.iter().map(|own| &own.signal.values[..]).collect();
+        let values = carried.join_band(&given)?;
+        let bands = own[0].with_levels(job.signal.n_channels, &levels);
+        Ok(SplitSignal { bands, values: Cow::Owned(values) })
+    })
 }
 
 /// The job, and the seconds that reading took.
@@ -142,6 +192,11 @@ fn resolve(
     let name = args.signal.name_on(&input.file);
     let mut signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
+    args.quantity.check_signal(name)?;
+    if !args.quantity.are_numbers() {
+        let applies = "applies to numbers, and the signal holds directions or tensors";
+        global.given.refuse(&["--time-fwhm", "--time-lengths", "--as-numbers"], applies)?;
+    }
     let time = TimeBands::resolve(&args.time, name, &mut signal, global)?;
     if time.is_some() && !matches!(file, BandsFile::Npz) {
         return Err(CliError::Input(format!(
@@ -157,11 +212,19 @@ fn resolve(
         grid.map_or(file, BandsFile::Alone)
     };
     let read = watch.lap();
-    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
+    let quantity = args.quantity;
+    let decomposer = if quantity.are_numbers() {
+        let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+        prepare_for_signal(global, &input, &operator, &signal, name)?
+    } else {
+        let operator = operator_with_default(&args.shape.operator, OperatorKind::Surface)?;
+        prepare(global, &input, &operator)?
+    };
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let (schedule, levels_reason) = (levels.schedule, levels.reason);
-    Ok((TransformJob { file, input, signal, time, decomposer, schedule, levels_reason, params }, read))
+    let job =
+        TransformJob { file, input, signal, time, decomposer, quantity, schedule, levels_reason, params };
+    Ok((job, read))
 }
 
 fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
@@ -177,19 +240,20 @@ fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
 fn write(
     args: &TransformArgs,
     job: &TransformJob,
-    bands: &Bands,
+    split_signal: &SplitSignal<'_>,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
+    let SplitSignal { bands, values } = split_signal;
     match job.file {
         BandsFile::Npz => with_spinner(global, "writing", || {
             let extra = job.time.as_ref();
-            write_arrays(global, &args.output, &job.input, &job.signal.values, bands, extra)
+            write_arrays(global, &args.output, &job.input, values, bands, extra)
         }),
         BandsFile::Alone(kind) => {
             let write = || kind.write(global, &args.output, &band_fields(bands), &job.input.file);
             with_spinner(global, "writing", write)
         }
-        BandsFile::Fields => write_fields(global, &args.output, job, bands),
+        BandsFile::Fields => write_fields(global, &args.output, job, split_signal),
     }
 }
 
@@ -338,12 +402,17 @@ pub(crate) fn band_fields(bands: &Bands) -> Vec<Field> {
 }
 
 /// Writes the shape with the fields S0 … SJ and W1 … WJ.
-fn write_fields(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands) -> Result<(), CliError> {
+fn write_fields(
+    global: &Global<'_>,
+    path: &Path,
+    job: &TransformJob,
+    split_signal: &SplitSignal<'_>,
+) -> Result<(), CliError> {
+    let SplitSignal { bands, values } = split_signal;
     let mut file = clone_for_output(&job.input.file, path);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
-    for (j, level) in all_scaling(&job.signal.values, bands).chunks_exact(job.signal.values.len()).enumerate()
-    {
+    for (j, level) in all_scaling(values, bands).chunks_exact(values.len()).enumerate() {
         file.add_vertex_field(field(format!("S{j}"), level))?;
     }
     for (j, level) in bands.wavelets().enumerate() {

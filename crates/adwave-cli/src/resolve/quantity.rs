@@ -195,6 +195,21 @@ impl<'a> Carried<'a> {
     }
 }
 
+impl Carried<'_> {
+    /// Values of a band of the quantity from those of its signals: vectors and tensors in space, of tensors in a volume
+    /// logarithms. Those of vectors and tensors add up to the quantity, those of lines and crosses do not.
+    pub(crate) fn join_band(&self, bands: &[&[f64]]) -> Result<Vec<f64>, CliError> {
+        Ok(match &self.back {
+            WayBack::Values => bands[0].to_vec(),
+            WayBack::Directions { directions, .. } => directions.join(bands[0])?,
+            WayBack::Logarithms { order, .. } => order.reorder_upper(bands[0]),
+            WayBack::SurfaceTensors { order, directions, .. } => {
+                order.reorder_upper(&directions.join_tensors(bands[0], bands[1])?)
+            }
+        })
+    }
+}
+
 fn check_channels(signal: &Signal, name: &str, expected: usize, what: &str) -> Result<(), CliError> {
     if signal.n_channels == expected {
         return Ok(());

@@ -2,6 +2,7 @@
 
 use crate::common::{adwave, json, refused, words};
 use adwave::bands::Schedule;
+use adwave::denoise::{DenoiseParams, denoise_signal};
 use adwave::directions::{Directions, Symmetry, TensorOrder, log_tensors};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::{Decomposer, Progress};
@@ -45,6 +46,90 @@ fn a_filter_of_directions_is_that_of_the_library() {
     let bands = directions.decomposer().decompose(&split.channels, 2, &schedule).unwrap();
     let expected = directions.join(bands.coarsest()).unwrap();
     assert!(apart(&field(&folder.path().join("smooth.ply"), "wind"), &expected) < 1e-8);
+}
+
+#[test]
+fn bands_of_directions_are_vectors_that_sum_to_the_tangent_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = sphere(folder.path());
+    let report = json(
+        folder.path(),
+        "transform wind.ply -o bands.vtp --signal wind --directions vectors --steps 4,16",
+    );
+    assert_eq!((&report["channels"], &report["operator"]), (&3.into(), &"surface".into()));
+    let band = |name: &str| field(&folder.path().join("bands.vtp"), name);
+    let sum: Vec<f64> =
+        band("W1").iter().zip(band("W2")).zip(band("S2")).map(|((a, b), c)| a + b + c).collect();
+    let tangent = band("S0");
+    assert!(apart(&sum, &tangent) < 1e-12);
+    let wind = file.field("wind").unwrap().to_f64();
+    let params = OperatorParams::default().with_kind(OperatorKind::Surface);
+    let decomposer = Decomposer::with_params(&file.to_shape().unwrap(), &params, Progress::none()).unwrap();
+    let directions = Directions::new(&decomposer, Symmetry::Vectors, Progress::none()).unwrap();
+    let split = directions.split(&wind).unwrap();
+    assert!(apart(&tangent, &directions.join(&split.channels).unwrap()) < 1e-12);
+    // The trace of a tensor is a number, with the bands of one.
+    let tensors: Vec<f64> =
+        file.points().iter().flat_map(|p| [2.0 + p[0], 0.1, p[1], 1.0, 0.0, 3.0]).collect();
+    let mut file = file;
+    file.add_vertex_field(Field::new("strain", 6, FieldValues::F64(tensors))).unwrap();
+    write_path(&file, &folder.path().join("strain.ply"), None).unwrap();
+    json(folder.path(), "transform strain.ply -o t.vtp --signal strain --tensors upper --steps 9");
+    let t = |name: &str| field(&folder.path().join("t.vtp"), name);
+    let sum: Vec<f64> = t("W1").iter().zip(t("S1")).map(|(a, b)| a + b).collect();
+    assert!(apart(&sum, &t("S0")) < 1e-12);
+    let said = refused(folder.path(), "transform wind.ply -o b.vtp --directions vectors");
+    assert!(said.contains("coordinates are positions"), "{said}");
+    let said = refused(
+        folder.path(),
+        "transform wind.ply -o b.npz --signal wind --directions vectors --basis irregular",
+    );
+    assert!(said.contains("--directions"), "{said}");
+}
+
+#[test]
+fn noise_of_directions_goes_by_the_command_as_by_the_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = sphere(folder.path());
+    let mut wind = file.field("wind").unwrap().to_f64();
+    for (i, v) in wind.iter_mut().enumerate() {
+        *v += 0.3 * (((i * 7919) % 1013) as f64 / 1013.0 - 0.5);
+    }
+    file.add_vertex_field(Field::new("wind", 3, FieldValues::F64(wind.clone()))).unwrap();
+    write_path(&file, &folder.path().join("noisy.ply"), None).unwrap();
+    let report = json(folder.path(), "denoise noisy.ply -o calm.ply --signal wind --directions vectors");
+    let params = OperatorParams::default().with_kind(OperatorKind::Surface);
+    let decomposer = Decomposer::with_params(&file.to_shape().unwrap(), &params, Progress::none()).unwrap();
+    let directions = Directions::new(&decomposer, Symmetry::Vectors, Progress::none()).unwrap();
+    let split = directions.split(&wind).unwrap();
+    let params = DenoiseParams::default();
+    let clean =
+        denoise_signal(directions.decomposer(), &split.channels, 2, &params, Progress::none()).unwrap();
+    assert_eq!(report["denoise"][0]["noise"].as_f64(), Some(clean.info[0].noise));
+    assert_eq!(report["directions"]["singularities"]["index_sum"], 2.0);
+    let found = field(&folder.path().join("calm.ply"), "wind");
+    assert!(apart(&found, &directions.join(&clean.values).unwrap()) < 1e-12);
+    // Outside of a region the tangent part stays.
+    let line = "denoise noisy.ply -o half.ply --signal wind --directions vectors --region";
+    let region = "half-space:point=0 0 0,normal=0 0 1,falloff=0.1";
+    adwave(folder.path()).args(words(line)).arg(region).assert().success();
+    let half = field(&folder.path().join("half.ply"), "wind");
+    let tangent = directions.join(&split.channels).unwrap();
+    for (x, p) in file.points().iter().enumerate() {
+        let expected = if p[2] > 0.3 { &found } else { &tangent };
+        assert!(p[2].abs() < 0.3 || apart(&half[3 * x..3 * x + 3], &expected[3 * x..3 * x + 3]) < 1e-12);
+    }
+    for (line, says) in [
+        ("denoise noisy.ply -o b.ply --directions vectors", "coordinates are positions"),
+        (
+            "denoise noisy.ply -o b.ply --signal wind --directions lines --noise-model poisson",
+            "--noise-model",
+        ),
+        ("denoise noisy.ply -o b.ply --signal wind --directions lines --in-time", "--in-time"),
+    ] {
+        let said = refused(folder.path(), line);
+        assert!(said.contains(says), "{line}: {said}");
+    }
 }
 
 #[test]

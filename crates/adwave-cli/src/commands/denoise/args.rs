@@ -1,8 +1,8 @@
 //! The arguments of `adwave denoise`.
 
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, TimeAxisArgs, number,
-    parse_named, region, shared_noise, value_type,
+    GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, QuantityArgs, ShapeArgs, SignalArgs, TimeAxisArgs,
+    number, parse_named, region, shared_noise, value_type,
 };
 use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers, SharedNoise};
 use adwave::positions::Borders;
@@ -48,6 +48,7 @@ Examples:
   adwave denoise scan.laz -o clean.laz --outliers drop
   adwave denoise volume.nii.gz -o clean.nii.gz
   adwave denoise bold.nii.gz -o clean.nii.gz --in-time
+  adwave denoise flow.ply -o calm.ply --signal wind --directions vectors
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
@@ -69,6 +70,8 @@ pub(crate) struct DenoiseArgs {
     pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) quantity: QuantityArgs,
     #[command(flatten)]
     pub(crate) fit: LocalFitArgs,
     #[command(flatten)]

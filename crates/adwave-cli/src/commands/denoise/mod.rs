@@ -12,8 +12,10 @@ use crate::output::progress::with_progress;
 use crate::output::values_file::{holds_fields, unsuitable_format};
 use crate::output::{count, number, print, table};
 use crate::resolve::operator::{
-    SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
+    SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, operator_with_default,
+    prepare,
 };
+use crate::resolve::quantity::Carried;
 use crate::resolve::region::{note_region, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
@@ -23,7 +25,7 @@ use adwave::bands::FWHM;
 use adwave::denoise::{
     NoiseModel, Outliers, SeriesNoise, SharedNoise, SignalNoise, denoise, denoise_series, denoise_signal,
 };
-use adwave::operator::OperatorTask;
+use adwave::operator::{OperatorKind, OperatorTask};
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
@@ -52,6 +54,11 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
         global.given.refuse(&["--noise-model"], applies)?;
     } else {
         global.given.refuse(&["--time-step", "--time-ends"], "applies to a series of frames (--in-time)")?;
+    }
+    args.quantity.check_signal(&name)?;
+    if !args.quantity.are_numbers() {
+        let applies = "applies to numbers, and the signal holds directions or tensors";
+        global.given.refuse(&["--in-time", "--noise-model", "--local-fit", "--as-numbers"], applies)?;
     }
     if name == COORDS {
         global.given.refuse(
@@ -205,48 +212,66 @@ fn denoise_field(
     let mut signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let series = args.in_time.then(|| resolve_frames(&args.time, name, &mut signal, global)).transpose()?;
-    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let parts = SignalParts::new(&prepare(global, &input, &operator)?, &signal, name, global)?;
-    let decomposer = parts.first().decomposer.clone();
+    let operator = if args.quantity.are_numbers() {
+        operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?
+    } else {
+        operator_with_default(&args.shape.operator, OperatorKind::Surface)?
+    };
+    let prepared = prepare(global, &input, &operator)?;
+    let carried = Carried::new(args.quantity, &prepared, &signal, name, global, global.progress())?;
     let (mut infos, mut series_infos) = (Vec::new(), Vec::new());
-    let mut values = parts.map(&signal.values, |part, values, n_channels| {
-        if let Some((axis, _)) = &series {
-            // All channels are NaN at the same vertices.
+    let (mut edited, mut domains) = (Vec::new(), Vec::new());
+    for own in &carried.signals {
+        let parts = SignalParts::new(&own.decomposer, &own.signal, name, global)?;
+        let first = infos.len();
+        edited.push(parts.map(&own.signal.values, |part, values, n_channels| {
+            if let Some((axis, _)) = &series {
+                // All channels are NaN at the same vertices.
+                let denoised = with_progress(global, "denoising", |progress| {
+                    denoise_series(&part.decomposer, axis, values, 1, &args.to_params(), progress)
+                })
+                .map_err(|e| CliError::classify(&e))?;
+                series_infos.push(denoised.info);
+                return Ok(denoised.values);
+            }
             let denoised = with_progress(global, "denoising", |progress| {
-                denoise_series(&part.decomposer, axis, values, 1, &args.to_params(), progress)
+                denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
             })
             .map_err(|e| CliError::classify(&e))?;
-            series_infos.push(denoised.info);
-            return Ok(denoised.values);
-        }
-        let denoised = with_progress(global, "denoising", |progress| {
-            denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
-        })
-        .map_err(|e| CliError::classify(&e))?;
-        for mut info in denoised.info {
-            info.channels = info.channels.iter().map(|&channel| part.channels()[channel]).collect();
-            infos.push(info);
-        }
-        Ok(denoised.values)
-    })?;
-    if let Some((_, held)) = &series {
-        restore_held(held, &mut values);
+            for mut info in denoised.info {
+                info.channels = info.channels.iter().map(|&channel| part.channels()[channel]).collect();
+                infos.push(info);
+            }
+            Ok(denoised.values)
+        })?);
+        infos[first..].sort_by_key(|info: &SignalNoise| info.channels.first().copied());
+        domains.push(parts.first().decomposer.clone());
     }
-    infos.sort_by_key(|info| info.channels.first().copied());
+    let decomposer = domains.swap_remove(0);
+    if let Some((_, held)) = &series {
+        restore_held(held, &mut edited[0]);
+    }
     if !args.region.is_empty() {
         let region = union_of_regions(&args.region);
         note_region(&region, &input.file, &decomposer, global)?;
         let weights = with_progress(global, "measuring", |progress| {
             region_weights(&region, &input, &decomposer, progress)
         })?;
-        values = blend_by_weights(&signal.values, &values, &weights);
+        for (own, values) in carried.signals.iter().zip(&mut edited) {
+            *values = blend_by_weights(&own.signal.values, values, &weights);
+        }
     }
+    let (values, quantity) = carried.join(edited, global.progress())?;
     let edited = result.place_values(&input.file, name, &signal, values);
     result.write(&mut input, name, edited, args.normals.to_rule(), global)?;
 
     let mut text = format!("{}: {}, {name}\n", input.name, input.count_rows());
     let fit = decomposer.applied_local_fit(args.to_params().local_fit);
-    describe_local_fit(&mut text, fit);
+    if let Some(quantity) = &quantity {
+        quantity.describe(&mut text);
+    } else {
+        describe_local_fit(&mut text, fit);
+    }
     for info in &infos {
         describe_channel(&mut text, info);
     }
@@ -262,6 +287,9 @@ fn denoise_field(
         "local_fit": fit,
         "denoise": infos,
     });
+    if let Some(quantity) = quantity {
+        quantity.add_to(&mut report);
+    }
     if let (Some((axis, _)), Some(info)) = (&series, series_infos.first()) {
         report["denoise"] = json!(info);
         report["time"] = json!({"frames": axis.n_frames(), "step": axis.step(), "ends": axis.ends().name()});
