@@ -19,6 +19,7 @@ EXAMPLES = (
     "saliency_and_features_with_pyvista",
     "cortical_fields",
     "images_and_volumes",
+    "wind_on_a_sphere",
     "graph",
     "cells",
     "million_points",
