@@ -18,6 +18,7 @@ EXAMPLES = (
     "denoise",
     "saliency_and_features_with_pyvista",
     "cortical_fields",
+    "fmri_on_a_surface",
     "images_and_volumes",
     "wind_on_a_sphere",
     "graph",
