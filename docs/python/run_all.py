@@ -16,6 +16,7 @@ EXAMPLES = (
     "smooth_a_scan",
     "local_edit",
     "denoise",
+    "an_animation",
     "saliency_and_features_with_pyvista",
     "cortical_fields",
     "fmri_on_a_surface",
