@@ -21,6 +21,7 @@ EXAMPLES = (
     "cortical_fields",
     "fmri_on_a_surface",
     "images_and_volumes",
+    "diffusion_tensors",
     "wind_on_a_sphere",
     "graph",
     "cells",
