@@ -42,7 +42,7 @@ clean = steady + patch[:, None] * task + 0.3 * (drift / drift.std())[:, None] * 
 series = clean + rng.standard_normal(clean.shape)
 
 # %% [markdown]
-# Bands of space and time, `bands[j, i]`, sum to the series. The anatomy does not change, and is only in the last column.
+# Bands of space and time, `bands[j, i]`, sum to the series. The anatomy is steady, and in the last column alone.
 
 # %%
 bands = aw.decompose(surface, series, fwhm=[4, 8, 16], time=aw.Time(dt=2.0, fwhm=[6, 20, 80]))
