@@ -31,7 +31,8 @@ def along(direction):
 true = np.broadcast_to(0.7 * np.eye(3), (*sizes, 3, 3)).copy()
 arch = (np.abs(radius - 47) < 10) & (y > 28) | (np.abs(np.abs(x - 64) - 47) < 10) & (y <= 28)
 up = np.hypot(x - 64, y - 32) < 16
-true[arch] = along(np.where(y > 28, [(y - 28) / radius, (64 - x) / radius, 0 * x], np.reshape([0, 1, 0], (3, 1, 1, 1))))[arch]
+above = np.maximum(y - 28, 0)
+true[arch] = along((above / radius, np.where(y > 28, (64 - x) / radius, 1), 0 * x))[arch]
 true[up] = along((0, 0, 1))
 
 # %% [markdown]
@@ -57,7 +58,7 @@ assert field.n_not_positive == 0
 by_component = aw.grid(noisy, spacing=2.0, axes=(0, 1, 2)).smooth(fwhm=6.0)
 smooth = field.smooth(fwhm=6.0).matrices
 swelling = [
-    np.exp(np.mean(np.log(np.linalg.det(tensors)) - np.log(np.linalg.det(noisy)))) for tensors in (by_component, smooth)
+    np.exp(np.mean(np.log(np.linalg.det(tensors) / np.linalg.det(noisy)))) for tensors in (by_component, smooth)
 ]
 print("determinants: {:.2f} times as large by components, {:.4f} by logarithms".format(*swelling))
 assert swelling[0] > 1.3 and abs(swelling[1] - 1) < 1e-6
