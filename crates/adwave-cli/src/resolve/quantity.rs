@@ -155,8 +155,9 @@ impl<'a> Carried<'a> {
             WayBack::Values => (first, None),
             WayBack::Directions { directions, normal_share } => {
                 let before = &self.signals[0].signal.values;
-                let found = |channels: &[f64]| directions.singularities(channels, progress).ok();
-                let singularities = found(before).zip(found(&first)).map(|(before, after)| {
+                let found = directions.singularities_of(&[before, &first], progress).ok();
+                let singularities = found.map(|found| {
+                    let [before, after] = [&found[0], &found[1]];
                     (before.len(), after.len(), after.iter().map(|singularity| singularity.index).sum())
                 });
                 let symmetry = directions.symmetry();

@@ -246,6 +246,7 @@ pub(crate) enum EdgesForTurns {
 }
 
 /// Turns of directions that are carried around a triangle.
+#[derive(Clone)]
 pub(crate) struct TriangleTurns {
     /// Number of the triangle.
     pub(crate) triangle: usize,
@@ -305,12 +306,12 @@ impl MeshDirections<'_> {
     ) -> Result<Option<Vec<TriangleTurns>>, Cancelled> {
         let Some((surface, _)) = self.sheet(progress)? else { return Ok(None) };
         let proper = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        let numbers = (0..self.triangles.len()).filter(|&t| proper(&self.triangles[t]));
-        let found = numbers.enumerate().filter_map(|(t, triangle)| {
+        let numbers: Vec<usize> = (0..self.triangles.len()).filter(|&t| proper(&self.triangles[t])).collect();
+        let found = parallel::try_collect(numbers.len(), progress, |t| {
             let (curvature, turns) = surface.triangle_turns(t, self.symmetry)?;
-            Some(TriangleTurns { triangle, curvature, turns })
-        });
-        Ok(Some(found.collect()))
+            Some(TriangleTurns { triangle: numbers[t], curvature, turns })
+        })?;
+        Ok(Some(found.into_iter().flatten().collect()))
     }
 }
 

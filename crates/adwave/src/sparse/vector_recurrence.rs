@@ -1,7 +1,7 @@
 //! The recurrence of a diffusion of directions: several steps of a tile while its vectors and entries stay in cache.
 //!
 //! As for scalars a pass over the tiles takes several steps, for which each tile needs as many rings of vertices around
-//! it. Entries are turned once per pass.
+//! it. The entries lie in the order of the tiles, with their turns; those that several tiles need are repeated.
 
 use super::kernel::{InstructionSet, MAX_DEPTH, TurnedRows, turned_step};
 use super::tiled_diffusion::{VectorPool, best_depth};
@@ -25,6 +25,12 @@ pub(super) struct VectorTiles {
     own: usize,
     depth: usize,
     target: InstructionSet,
+    /// `2Φ₁(x,y)·R_xy` of the rows of each tile.
+    entries: Vec<[f64; 2]>,
+    /// `1 − 2Σ_y Φ₁(x,y)` of the rows of each tile.
+    diagonals: Vec<f64>,
+    /// Start of the entries and of the rows of each tile, and the end of the last.
+    starts: Vec<[usize; 2]>,
     scratch: VectorPool<f64>,
 }
 
@@ -47,18 +53,65 @@ impl VectorTiles {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let tiles = Tiles::new(operator.scalars(), own, depth, progress)?;
-        Ok(Self { tiles, own, depth, target: InstructionSet::detect(), scratch: VectorPool::default() })
+        let (entries, diagonals, starts) = match &tiles {
+            Tiles::Narrow(tiles) => turned_entries(operator, tiles, progress)?,
+            Tiles::Wide(tiles) => turned_entries(operator, tiles, progress)?,
+        };
+        let (target, scratch) = (InstructionSet::detect(), VectorPool::default());
+        Ok(Self { tiles, own, depth, target, entries, diagonals, starts, scratch })
     }
 
     /// Bytes of memory.
     pub(super) fn bytes(&self) -> u64 {
-        self.tiles.bytes()
+        self.tiles.bytes() + (size_of_val(&self.entries[..]) + size_of_val(&self.diagonals[..])) as u64
     }
+}
+
+/// Entries, diagonals and starts of all tiles, as [`VectorTiles`] has them.
+type TurnedEntries = (Vec<[f64; 2]>, Vec<f64>, Vec<[usize; 2]>);
+
+/// The entries of the rows of all tiles with their turns.
+fn turned_entries<I: Index>(
+    operator: &VectorDiffusion,
+    tiles: &TileList<I>,
+    progress: Progress<'_>,
+) -> Result<TurnedEntries, Cancelled> {
+    let mut starts = vec![[0, 0]];
+    for tile in tiles.iter() {
+        let [entries, rows] = starts[starts.len() - 1];
+        starts.push([entries + tile.columns().len(), rows + tile.n_within(tile.depth() - 1)]);
+    }
+    let [n_entries, n_rows] = starts[starts.len() - 1];
+    let (mut entries, mut diagonals): (Vec<[f64; 2]>, Vec<f64>) = (zeros(n_entries), zeros(n_rows));
+    let (mut rest, mut rest_of_rows) = (&mut entries[..], &mut diagonals[..]);
+    let mut jobs = Vec::with_capacity(tiles.len());
+    for (tile, range) in tiles.iter().zip(starts.windows(2)) {
+        let (of_tile, after) = rest.split_at_mut(range[1][0] - range[0][0]);
+        let (rows, after_rows) = rest_of_rows.split_at_mut(range[1][1] - range[0][1]);
+        jobs.push((tile, of_tile, rows));
+        (rest, rest_of_rows) = (after, after_rows);
+    }
+    let (weights, turns) = (operator.scalars().weights(), operator.turns());
+    parallel::try_map_owned(jobs, operator.n_rows(), progress, |(tile, entries, diagonals)| {
+        let own = tile.rows().iter().map(|row| tile.first() + row.get());
+        let rows = own.chain(tile.halo().iter().map(|&x| x as usize));
+        let mut rest = entries;
+        for (x, diagonal) in rows.zip(diagonals) {
+            let range = tile.offsets()[x]..tile.offsets()[x + 1];
+            let (row, after) = rest.split_at_mut(range.len());
+            rest = after;
+            *diagonal = 1.0;
+            for ((entry, &w), &[c, s]) in row.iter_mut().zip(&weights[range.clone()]).zip(&turns[range]) {
+                *entry = [2.0 * w * c, 2.0 * w * s];
+                *diagonal -= 2.0 * w;
+            }
+        }
+    })?;
+    Ok((entries, diagonals, starts))
 }
 
 /// The vectors `T_k(Y)u` of one direction for each vertex, for increasing k, `Y = 2Φ₁ − I`.
 pub(super) struct VectorRecurrence<'a> {
-    operator: &'a VectorDiffusion,
     tiles: &'a VectorTiles,
     weights: RowWeights<'a>,
     /// `T_k u` and `T_{k−1} u`.
@@ -84,6 +137,8 @@ struct PassTerm<'a> {
 
 /// What a tile reads and writes in a pass.
 struct TileJob<'a, I> {
+    /// Number of the tile.
+    number: usize,
     tile: TileView<'a, I>,
     outs: Vec<&'a mut [f64]>,
     next_before: &'a mut [[f64; 2]],
@@ -117,7 +172,6 @@ impl<'a> VectorRecurrence<'a> {
         let square = parallel::try_sum(n, progress, |x| weights.weight(x, n) * square_of(&now[x]))?;
         let moves = now.iter().any(|z| *z != [0.0; 2]);
         Ok(Self {
-            operator,
             tiles,
             weights,
             now,
@@ -160,7 +214,9 @@ impl<'a> VectorRecurrence<'a> {
         let jobs: Vec<TileJob<'_, I>> = tiles
             .iter()
             .zip(outs)
-            .map(|(tile, outs)| TileJob {
+            .enumerate()
+            .map(|(number, (tile, outs))| TileJob {
+                number,
                 tile,
                 outs,
                 next_before: next_before.next().unwrap_or_default(),
@@ -168,7 +224,7 @@ impl<'a> VectorRecurrence<'a> {
             })
             .collect();
         let reading = PassReading {
-            operator: self.operator,
+            tiles: self.tiles,
             weights: self.weights,
             now: &self.now,
             before: &self.before,
@@ -177,7 +233,6 @@ impl<'a> VectorRecurrence<'a> {
             is_first: self.k == 0,
             at: self.at,
             stride,
-            target: self.tiles.target,
         };
         let scratch = &self.tiles.scratch;
         let squares = parallel::try_map_owned(jobs, n, progress, |job| {
@@ -193,7 +248,7 @@ impl<'a> VectorRecurrence<'a> {
 
 /// What all tiles of a pass read.
 struct PassReading<'a> {
-    operator: &'a VectorDiffusion,
+    tiles: &'a VectorTiles,
     weights: RowWeights<'a>,
     now: &'a [[f64; 2]],
     before: &'a [[f64; 2]],
@@ -202,38 +257,30 @@ struct PassReading<'a> {
     is_first: bool,
     at: usize,
     stride: usize,
-    target: InstructionSet,
 }
 
 impl PassReading<'_> {
-    /// Number of entries of the rows that a pass computes.
-    fn n_entries<I: Index>(&self, tile: TileView<'_, I>) -> usize {
-        let runs = tile.own_runs().iter().chain(tile.ring_runs(self.n_steps.saturating_sub(1)));
-        runs.map(|run| run.degree as usize * run.n_rows as usize).sum()
-    }
-
-    /// Numbers of a tile: those of its entries, and of its rows those of the vectors of two steps and the diagonal.
+    /// Numbers of the vectors of two steps of a tile.
     fn scratch_len<I: Index>(&self, tile: TileView<'_, I>) -> usize {
-        2 * self.n_entries(tile) + 5 * tile.n_within(self.n_steps)
+        4 * tile.n_within(self.n_steps)
     }
 
     /// Takes the steps of a tile; returns the squared norms of its parts of the sums that are weighed, and 0 for others.
     fn run<I: Index>(&self, job: TileJob<'_, I>, scratch: &mut [f64]) -> Vec<f64> {
-        let TileJob { tile, mut outs, next_before, next_now } = job;
+        let TileJob { number, tile, mut outs, next_before, next_now } = job;
         let (first, n_own, n) = (tile.first(), tile.n_own(), tile.n_within(self.n_steps));
         let scratch = &mut scratch[..self.scratch_len(tile)];
-        let (entries, rest) = scratch.split_at_mut(2 * self.n_entries(tile));
-        let (diagonals, vectors) = rest.split_at_mut(n);
-        let (now, before) = vectors.split_at_mut(2 * n);
-        let [entries, mut now, mut before]: [&mut [[f64; 2]]; 3] =
-            [entries, now, before].map(|part| part.as_chunks_mut().0);
+        let (now, before) = scratch.split_at_mut(2 * n);
+        let [mut now, mut before]: [&mut [[f64; 2]]; 2] = [now, before].map(|part| part.as_chunks_mut().0);
+        let [from, to] = [number, number + 1].map(|tile| self.tiles.starts[tile]);
+        let (entries, diagonals) =
+            (&self.tiles.entries[from[0]..to[0]], &self.tiles.diagonals[from[1]..to[1]]);
         for (local, whole) in [(&mut *now, self.now), (&mut *before, self.before)] {
             local[..n_own].copy_from_slice(&whole[first..first + n_own]);
             for (z, &x) in local[n_own..].iter_mut().zip(tile.halo()) {
                 *z = whole[x as usize];
             }
         }
-        self.turn_entries(tile, entries, diagonals);
         if self.is_first {
             self.add(0, &now[..n_own], &mut outs);
         }
@@ -241,7 +288,7 @@ impl PassReading<'_> {
             let is_first = self.is_first && step == 0;
             let n_rings = self.n_steps - 1 - step;
             let rows = TurnedRows { tile, n_rings, entries, diagonals, is_first };
-            turned_step(self.target, rows, now, before);
+            turned_step(self.tiles.target, rows, now, before);
             std::mem::swap(&mut now, &mut before);
             self.add(step + usize::from(self.is_first), &now[..n_own], &mut outs);
         }
@@ -258,29 +305,6 @@ impl PassReading<'_> {
             .sum()
         };
         self.terms.iter().zip(&outs).map(square).collect()
-    }
-
-    /// Copies the entries of the rows of a tile in its order, with their turns, and sums them.
-    fn turn_entries<I: Index>(&self, tile: TileView<'_, I>, entries: &mut [[f64; 2]], diagonals: &mut [f64]) {
-        if self.n_steps == 0 {
-            return;
-        }
-        let (offsets, weights, turns) =
-            (tile.offsets(), self.operator.scalars().weights(), self.operator.turns());
-        let n_ring_rows = tile.n_within(self.n_steps - 1) - tile.n_own();
-        let own = tile.rows().iter().map(|row| tile.first() + row.get());
-        let rows = own.chain(tile.halo()[..n_ring_rows].iter().map(|&x| x as usize));
-        let mut rest = entries;
-        for (x, diagonal) in rows.zip(diagonals) {
-            let range = offsets[x]..offsets[x + 1];
-            let (row, after) = rest.split_at_mut(range.len());
-            rest = after;
-            *diagonal = 1.0;
-            for ((entry, &w), &[c, s]) in row.iter_mut().zip(&weights[range.clone()]).zip(&turns[range]) {
-                *entry = [2.0 * w * c, 2.0 * w * s];
-                *diagonal -= 2.0 * w;
-            }
-        }
     }
 
     /// Adds a term of a pass to the sums that have it; the first of all sets them.
