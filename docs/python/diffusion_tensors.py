@@ -51,8 +51,8 @@ field = aw.tensors(aw.grid(np.zeros(sizes), spacing=2.0), noisy)
 assert field.n_not_positive == 0
 
 # %% [markdown]
-# The determinant is the size of a tensor. The mean of slender tensors with different directions, here mostly by noise, is
-# a thick one, so tensors swell if each component is smoothed by itself. By logarithms the mean of log det stays.
+# The determinant is the size of a tensor. The mean of slender tensors with different directions, here mostly by noise,
+# is a thick one, so tensors swell if each component is smoothed by itself. By logarithms the mean of log det stays.
 
 # %%
 by_component = aw.grid(noisy, spacing=2.0, axes=(0, 1, 2)).smooth(fwhm=6.0)
