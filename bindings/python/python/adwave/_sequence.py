@@ -153,13 +153,23 @@ class Sequence(Members):
         Parameters
         ----------
         gains : sequence of float
-            A gain for each band, fine to coarse.
+            A gain for each band, fine to coarse. In space one more may be that of the rest, the motion of large parts; it is
+            1 if it is left out.
         time : sequence of float, optional
             Full widths at half maximum of the bands along time.
         levels : int, Widths, Steps or Octaves, optional
-            Levels in space; by default one for each gain.
+            Levels in space; by default one for each gain, which are small parts.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> ball = aw.sample("sphere", vertices=500)
+        >>> swing = aw.sequence([ball.with_points(ball.points + [0.1 * np.sin(t), 0, 0]) for t in range(6)])
+        >>> wide = swing.filter([1, 2], levels=aw.Widths(fwhm=["10%"]))
+        >>> bool(np.allclose(np.ptp(wide.points[:, 0], axis=0), 2 * np.ptp(swing.points[:, 0], axis=0)))
+        True
         """
         numbers = np.atleast_1d(np.asarray(gains, dtype=np.float64)).tolist()
         series = self.series
@@ -169,8 +179,19 @@ class Sequence(Members):
             axis = Time(self.dt, fwhm=np.atleast_1d(np.asarray(time, dtype=np.float64)).tolist())
             return self._with_series(axis.filter(series, numbers, progress=progress))
         mean = series.mean(axis=2, keepdims=True)
-        moved = filter(self.shape, series - mean, numbers, levels=levels, local_fit="constant", progress=progress)
-        return self._with_series(mean + moved)
+        moved = series - mean
+        n_levels = len(numbers)
+        if levels is not None:
+            n_levels = len(np.asarray(decompose(self.shape, series[:, 0, 0], levels=levels))) - 1
+        if len(numbers) not in (n_levels, n_levels + 1):
+            raise ValueError(
+                f"gains must have a number for each band, {n_levels}, and may have one more for the rest, got {len(numbers)}"
+            )
+        rest = numbers[n_levels] if len(numbers) > n_levels else 1.0
+        # The rest is what the displacements are without their bands.
+        gains = [gain - rest + 1 for gain in numbers[:n_levels]]
+        edited = filter(self.shape, moved, gains, levels=levels, local_fit="constant", progress=progress)
+        return self._with_series(mean + edited + (rest - 1) * moved)
 
     def motion(self, *, levels: LevelsLike = None, progress: ProgressLike = None) -> NDArray[np.float64]:
         """Map how much each vertex moves by size of what moves: root mean squares over time, (levels + 1) × n.

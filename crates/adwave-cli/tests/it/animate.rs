@@ -119,6 +119,25 @@ fn gains_in_space_change_the_motion_and_not_the_mean_shape() {
         assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-9));
     }
     assert!(rms(&calm, &clean) > 1e-4);
+    // With a gain for the rest as well, all displacements from the mean are scaled.
+    let report = json(path, "animate walk -o large.npy --fwhm 5%,20% --gains 1.5,1.5,1.5");
+    assert_eq!(report["gains"], serde_json::json!([1.5, 1.5, 1.5]));
+    let large = read_frames(&path.join("large.npy"));
+    for x in 0..clean[0].len() {
+        let mean = mean(&clean, x);
+        for (large, clean) in large.iter().zip(&clean) {
+            assert!((0..3).all(|c| (large[x][c] - mean[c] - 1.5 * (clean[x][c] - mean[c])).abs() < 1e-9));
+        }
+    }
+    json(path, "animate walk -o rest.npy --fwhm 20% --gains 0,2");
+    json(path, "animate walk -o twice.npy --fwhm 20% --gains 0");
+    let (rest, once) = (read_frames(&path.join("rest.npy")), read_frames(&path.join("twice.npy")));
+    for x in [0, 5, 399] {
+        let mean = mean(&clean, x);
+        for (rest, once) in rest.iter().zip(&once) {
+            assert!((0..3).all(|c| (rest[x][c] - mean[c] - 2.0 * (once[x][c] - mean[c])).abs() < 1e-9));
+        }
+    }
 }
 
 #[test]
@@ -156,7 +175,10 @@ fn frames_that_do_not_fit_are_refused() {
     expect("animate walk -o walk", "is the folder of the frames, which would be replaced");
     expect("animate walk -o a.npy --time-gains 2", "--time-gains applies to bands along time");
     expect("animate walk -o a.npy --levels 3", "--levels applies to bands in space");
-    expect("animate walk -o a.npy --gains 1,2 --fwhm 0.5", "one number for each of the 1 band, got 2");
+    expect(
+        "animate walk -o a.npy --gains 1,2,3 --fwhm 0.5",
+        "a number for each band, 1, and may have one more for the rest, got 3",
+    );
     expect("animate walk -o a.npy --motion map.stl", "maps of the motion are written as");
     expect("animate walk -o a.npy --positions walk/f1.obj", "walk");
     let text = fs::read_to_string(path.join("walk/f3.obj")).unwrap();

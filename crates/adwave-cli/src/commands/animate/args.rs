@@ -21,7 +21,7 @@ Output by extension:
 Examples:
   adwave animate 'walk/*.obj' -o clean --denoise --time-step 40ms
   adwave animate walk -o soft --time-fwhm 0.2 --time-step 40ms
-  adwave animate walk -o 'lively/*.ply' --gains 1,1,1.5,1.5     large motion exaggerated
+  adwave animate walk -o 'lively/*.ply' --fwhm 5% --gains 1,1.5     large motion exaggerated
   adwave animate walk -o walk.glb --still --motion motion.ply   and a map of what moves
   adwave animate bust.obj --positions moves.npy -o calm.npy --time-fwhm 3")]
 pub(crate) struct AnimateArgs {

@@ -217,12 +217,19 @@ fn edit_in_space(
         other => CliError::classify(&other),
     };
     if let Some(gains) = &args.gains {
-        if gains.len() != schedule.n_levels() {
+        let n_levels = schedule.n_levels();
+        if gains.len() != n_levels && gains.len() != n_levels + 1 {
             return Err(CliError::Input(format!(
-                "--gains must have one number for each of the {}, got {}",
-                count(schedule.n_levels(), "band", "bands"),
+                "--gains must have a number for each band, {n_levels}, and may have one more for the rest, got {}",
                 gains.len()
             )));
+        }
+        if gains.len() == n_levels && args.levels.to_spec() == LevelSpec::Default {
+            let text = format!(
+                "larger motion than σ = {} stays; name the sizes by --fwhm or --lengths, and the last gain may be that of the rest",
+                number(sigma[n_levels])
+            );
+            note(global, &text);
         }
         with_progress(global, "filtering", |progress| {
             motion::scale_bands(decomposer, frames, &schedule, gains, progress)

@@ -115,7 +115,8 @@ impl Frames {
     }
 }
 
-/// Multiplies the bands in space of the displacements from the mean over all frames by gains, fine to coarse.
+/// Multiplies the bands in space of the displacements from the mean over all frames by gains, fine to coarse; a further
+/// gain is that of the rest, else 1.
 pub(super) fn scale_bands(
     decomposer: &Decomposer,
     frames: &mut Frames,
@@ -123,7 +124,10 @@ pub(super) fn scale_bands(
     gains: &[f64],
     progress: Progress<'_>,
 ) -> Result<(), BandsError> {
-    let factors: Vec<f64> = gains.iter().map(|gain| gain - 1.0).collect();
+    let (gains, of_rest) = gains.split_at(schedule.n_levels());
+    let of_rest = of_rest.first().copied().unwrap_or(1.0);
+    // The rest is what remains of the displacements without their bands.
+    let factors: Vec<f64> = gains.iter().map(|gain| gain - of_rest).collect();
     let mean = frames.mean();
     visit_groups(
         frames.points.len(),
@@ -133,8 +137,11 @@ pub(super) fn scale_bands(
             let displacements = displacements(&frames.points[group.clone()], &mean);
             let request = decomposer.request(&displacements, n_channels, schedule).progress(progress);
             let (change, _) = request.weighted(&factors)?;
-            for (x, row) in change.chunks_exact(n_channels).enumerate() {
-                for (t, change) in group.clone().zip(row.as_chunks::<3>().0) {
+            let rows = change.chunks_exact(n_channels).zip(displacements.chunks_exact(n_channels));
+            for (x, (row, moved)) in rows.enumerate() {
+                let of_frames = row.as_chunks::<3>().0.iter().zip(moved.as_chunks::<3>().0);
+                for (t, (change, moved)) in group.clone().zip(of_frames) {
+                    let change: [f64; 3] = std::array::from_fn(|c| change[c] + (of_rest - 1.0) * moved[c]);
                     let known = change.iter().all(|c| c.is_finite());
                     for (c, d) in frames.points[t][x].iter_mut().zip(change).filter(|_| known) {
                         *c += d;
