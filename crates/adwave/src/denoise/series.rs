@@ -202,7 +202,7 @@ impl SeriesParts<'_> {
     /// One channel on the domain.
     fn group(&self, field: &[f64]) -> ChannelGroup<'_> {
         let domains = self.is_linear.then(|| vec![self.decomposer.fit_domain(field)]);
-        ChannelGroup { decomposer: self.decomposer, d: 1, is_known: self.is_known, domains }
+        ChannelGroup { decomposer: self.decomposer, d: 1, is_known: self.is_known, domains, probe: 0 }
     }
 
     /// Standard deviation of the noise of each component: the median over some frames.
@@ -221,7 +221,9 @@ impl SeriesParts<'_> {
                     2 => (value(x, 1) - value(x, 0)) / 2.0_f64.sqrt(),
                     _ => (value(x, at + 1) - 0.5 * (value(x, at) + value(x, at + 2))) / 1.5_f64.sqrt(),
                 })?;
-                found.push(self.group(&field).level(&field, &self.walk, progress.quiet())?);
+                // Each frame is compared with noise of its own, so that the error of one probe is not that of all.
+                let group = ChannelGroup { probe: (c * n_measured + k) as u64, ..self.group(&field) };
+                found.push(group.level(&field, &self.walk, progress.quiet())?);
             }
             found.sort_unstable_by(f64::total_cmp);
             noise.push(found[found.len() / 2]);
