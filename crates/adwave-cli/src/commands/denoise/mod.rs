@@ -15,17 +15,18 @@ use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, operator_with_default,
     prepare,
 };
-use crate::resolve::quantity::Carried;
+use crate::resolve::quantity::{Carried, CarriedSignal};
 use crate::resolve::region::{note_region, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::time::{resolve_frames, restore_held};
 use crate::resolve::walk::with_given_walk;
+use adwave::Decomposer;
 use adwave::bands::FWHM;
 use adwave::denoise::{
     NoiseModel, Outliers, SeriesNoise, SharedNoise, SignalNoise, denoise, denoise_series, denoise_signal,
 };
-use adwave::operator::{OperatorKind, OperatorTask};
+use adwave::operator::{OperatorKind, OperatorParams, OperatorTask};
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
@@ -196,6 +197,59 @@ fn limit_positions(
     })
 }
 
+/// A signal without noise, and what was assumed.
+struct DenoisedSignal {
+    values: Vec<f64>,
+    /// Noise of each group of channels; empty for a series.
+    infos: Vec<SignalNoise>,
+    series: Option<SeriesNoise>,
+    /// The domain of the first channel.
+    decomposer: Decomposer,
+}
+
+/// Removes noise from one of the signals of a quantity, in space alone or along an axis of time as well.
+fn denoise_carried(
+    own: &CarriedSignal<'_>,
+    axis: Option<&TimeAxis>,
+    args: &DenoiseArgs,
+    name: &str,
+    global: &Global<'_>,
+) -> Result<DenoisedSignal, CliError> {
+    let parts = SignalParts::new(&own.decomposer, &own.signal, name, global)?;
+    let (mut infos, mut series) = (Vec::new(), None);
+    let values = parts.map(&own.signal.values, |part, values, n_channels| {
+        if let Some(axis) = axis {
+            // All channels are NaN at the same vertices.
+            let denoised = with_progress(global, "denoising", |progress| {
+                denoise_series(&part.decomposer, axis, values, 1, &args.to_params(), progress)
+            })
+            .map_err(|e| CliError::classify(&e))?;
+            series.get_or_insert(denoised.info);
+            return Ok(denoised.values);
+        }
+        let denoised = with_progress(global, "denoising", |progress| {
+            denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
+        })
+        .map_err(|e| CliError::classify(&e))?;
+        for mut info in denoised.info {
+            info.channels = info.channels.iter().map(|&channel| part.channels()[channel]).collect();
+            infos.push(info);
+        }
+        Ok(denoised.values)
+    })?;
+    infos.sort_by_key(|info| info.channels.first().copied());
+    Ok(DenoisedSignal { values, infos, series, decomposer: parts.first().decomposer.clone() })
+}
+
+/// The operator of fields: the walk, or for directions and tensors heat, unless another is asked for.
+fn field_operator(args: &DenoiseArgs) -> Result<OperatorParams, CliError> {
+    if args.quantity.are_numbers() {
+        operator_for_task(&args.shape.operator, OperatorTask::StepLevels)
+    } else {
+        operator_with_default(&args.shape.operator, OperatorKind::Surface)
+    }
+}
+
 fn denoise_field(
     mut input: Input,
     result: ResultFile<'_>,
@@ -212,42 +266,18 @@ fn denoise_field(
     let mut signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let series = args.in_time.then(|| resolve_frames(&args.time, name, &mut signal, global)).transpose()?;
-    let operator = if args.quantity.are_numbers() {
-        operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?
-    } else {
-        operator_with_default(&args.shape.operator, OperatorKind::Surface)?
-    };
-    let prepared = prepare(global, &input, &operator)?;
+    let prepared = prepare(global, &input, &field_operator(args)?)?;
     let carried = Carried::new(args.quantity, &prepared, &signal, name, global, global.progress())?;
-    let (mut infos, mut series_infos) = (Vec::new(), Vec::new());
-    let (mut edited, mut domains) = (Vec::new(), Vec::new());
-    for own in &carried.signals {
-        let parts = SignalParts::new(&own.decomposer, &own.signal, name, global)?;
-        let first = infos.len();
-        edited.push(parts.map(&own.signal.values, |part, values, n_channels| {
-            if let Some((axis, _)) = &series {
-                // All channels are NaN at the same vertices.
-                let denoised = with_progress(global, "denoising", |progress| {
-                    denoise_series(&part.decomposer, axis, values, 1, &args.to_params(), progress)
-                })
-                .map_err(|e| CliError::classify(&e))?;
-                series_infos.push(denoised.info);
-                return Ok(denoised.values);
-            }
-            let denoised = with_progress(global, "denoising", |progress| {
-                denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
-            })
-            .map_err(|e| CliError::classify(&e))?;
-            for mut info in denoised.info {
-                info.channels = info.channels.iter().map(|&channel| part.channels()[channel]).collect();
-                infos.push(info);
-            }
-            Ok(denoised.values)
-        })?);
-        infos[first..].sort_by_key(|info: &SignalNoise| info.channels.first().copied());
-        domains.push(parts.first().decomposer.clone());
+    let axis = series.as_ref().map(|(axis, _)| axis);
+    let mut parts = carried.signals.iter().map(|own| denoise_carried(own, axis, args, name, global));
+    let DenoisedSignal { values, mut infos, series: series_info, decomposer } =
+        parts.next().expect("a quantity has a signal")?;
+    let mut edited = vec![values];
+    for other in parts {
+        let other = other?;
+        edited.push(other.values);
+        infos.extend(other.infos);
     }
-    let decomposer = domains.swap_remove(0);
     if let Some((_, held)) = &series {
         restore_held(held, &mut edited[0]);
     }
@@ -275,7 +305,7 @@ fn denoise_field(
     for info in &infos {
         describe_channel(&mut text, info);
     }
-    if let (Some((axis, _)), Some(info)) = (&series, series_infos.first()) {
+    if let (Some(axis), Some(info)) = (axis, &series_info) {
         describe_series(&mut text, axis, info);
     }
     let _ = writeln!(text, "{}", args.output.display());
@@ -290,7 +320,7 @@ fn denoise_field(
     if let Some(quantity) = quantity {
         quantity.add_to(&mut report);
     }
-    if let (Some((axis, _)), Some(info)) = (&series, series_infos.first()) {
+    if let (Some(axis), Some(info)) = (axis, &series_info) {
         report["denoise"] = json!(info);
         report["time"] = json!({"frames": axis.n_frames(), "step": axis.step(), "ends": axis.ends().name()});
     }
