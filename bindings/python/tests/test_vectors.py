@@ -166,3 +166,18 @@ def test_noise_of_tensors_goes():
     calm, info = aw.tensors(ball, rough).denoise()
     assert len(info["groups"]) == 2
     assert np.abs(calm.matrices - strain).mean() < 0.3 * np.abs(rough - strain).mean()
+
+
+def test_bands_of_tensors_sum_to_what_they_are_taken_of():
+    rng = np.random.default_rng(7)
+    roots = rng.normal(size=(5, 6, 7, 3, 3)) + 3 * np.eye(3)
+    matrices = roots @ roots.swapaxes(-1, -2)
+    sizes, frames = np.linalg.eigh(matrices)
+    logarithms = np.einsum("...ij,...j,...kj->...ik", frames, np.log(sizes), frames)
+    field = aw.tensors(aw.grid(np.zeros((5, 6, 7)), spacing=2.0), matrices, order="diagonal")
+    bands = field.decompose(levels=3)
+    expected = logarithms[..., [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    assert bands.shape == (4, 5, 6, 7, 6)
+    np.testing.assert_allclose(bands.sum(axis=0), expected, atol=1e-10)
+    text = repr(aw.vectors(aw.sample("sphere", vertices=500), np.ones((500, 3))).singularities())
+    assert text.startswith("<adwave.Singularities: ") and "sum to 2" in text

@@ -52,6 +52,9 @@ class Singularities(NamedTuple):
     #: Numbers of turns, multiples of 1/s; on a closed surface they sum to its Euler characteristic.
     indices: _Floats
 
+    def __repr__(self) -> str:
+        return f"<adwave.Singularities: {len(self.indices)} triangles, indices sum to {self.indices.sum():g}>"
+
 
 @dataclass(frozen=True)
 class _Directions:
@@ -339,12 +342,16 @@ class TensorField(Members):
         lines = np.ascontiguousarray(self._values[:, 1:])
         return self._lines._data.join_tensors(self._values[:, 0].tolist(), lines)
 
+    def _ordered(self, upper: _Floats) -> _Floats:
+        """Components xx, xy, xz, yy, yz, zz of each tensor in the order in which the tensors were given."""
+        out = np.empty_like(upper)
+        out[:, _ORDERS[self._order]] = upper
+        return out.reshape(*self._shape, 6)
+
     @property
     def values(self) -> _Floats:
         """Six components of each tensor, in the order in which they were given; NaN where a tensor was masked."""
-        out = np.empty_like(upper := self._upper)
-        out[:, _ORDERS[self._order]] = upper
-        return out.reshape(*self._shape, 6)
+        return self._ordered(self._upper)
 
     @property
     def matrices(self) -> _Floats:
@@ -412,6 +419,46 @@ class TensorField(Members):
             return _filter(owner, values, gains, where, levels, accuracy, progress)
 
         return self._with_values(self._map(apply))
+
+    def decompose(
+        self, *, levels: LevelsLike = None, accuracy: float = _native.ACCURACY, progress: ProgressLike = None
+    ) -> _Floats:
+        """Bands from fine to coarse and the rest, (J + 1) × the shape of `values`.
+
+        On a surface they are tensors, which sum to the parts in the tangent planes. On a grid they are bands of the
+        logarithms, which sum to the logarithms.
+
+        Parameters
+        ----------
+        levels : int, Widths, Steps or Octaves, optional
+            Levels as in `adwave.decompose`.
+        accuracy : float
+            Largest error of a band relative to the band, 1e-13 to 0.1.
+        progress : bool or callable, optional
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> torus = aw.sample("torus", vertices=800)
+        >>> strain = aw.tensors(torus, np.random.default_rng(0).normal(size=(torus.n_vertices, 6)))
+        >>> bands = strain.decompose(levels=3)
+        >>> bands.shape, bool(np.allclose(bands.sum(axis=0), strain.values))
+        ((4, 800, 6), True)
+        """
+
+        def bands(owner: Decomposer, values: _Floats) -> _Floats:
+            found = owner.decompose(values, levels=levels, accuracy=accuracy, progress=progress)
+            return np.asarray(found.array, dtype=np.float64)
+
+        if self._lines is None:
+            found = bands(self._owner, self._values.reshape(*self._shape, 6))
+            return np.stack([self._ordered(band.reshape(-1, 6)) for band in found])
+        traces = bands(self._owner, self._values[:, :1]).reshape(-1, len(self._values))
+        lines = bands(self._lines.decomposer, np.ascontiguousarray(self._values[:, 1:]))
+        join = self._lines._data.join_tensors
+        parts = zip(traces, lines, strict=True)
+        return np.stack([self._ordered(join(trace.tolist(), np.ascontiguousarray(line))) for trace, line in parts])
 
     def denoise(self, *, strength: float = 1.0, progress: ProgressLike = None) -> DenoiseResult[TensorField]:
         """Remove noise without tuning: of the traces and the lines on a surface, of the logarithms on a grid.

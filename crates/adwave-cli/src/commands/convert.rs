@@ -59,14 +59,14 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
     }
     let file = &input.file;
     let report = write_shape(global, file, &args.output)?;
-    let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());
+    let (n_vertices, n_faces, [one, many]) = (file.n_vertices(), file.faces().len(), input.row_words());
     let output = args.output.display();
     let faces = if file.grid().is_some() { String::new() } else { count(n_faces, "face", "faces") + ", " };
     print(
         global,
         &format!(
             "{}, {faces}{}\n{output}\n",
-            input.count_rows(),
+            count(n_vertices, one, many),
             count(file.vertex_fields().len(), "field", "fields")
         ),
         &json!({

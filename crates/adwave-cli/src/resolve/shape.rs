@@ -15,9 +15,9 @@ use adwave::sample::{GridSample, NoiseSigma, Sample};
 use adwave::shape::{Graph, Shape};
 use adwave::{ClassifiedError, Decomposer, ErrorKind};
 use adwave_io::{
-    CloudPart, Direction, Edges, FaceCells, Field, FieldValues, GRID_VALUES, GridLayout, MovedNormals,
-    ReadError, SelectedShape, Selection, ShapeFile, ShapeKind, read_bytes, read_cloud_part_with,
-    read_path_with,
+    CloudPart, Direction, Edges, FaceCells, Field, FieldValues, GRID_VALUES, GridLayout, LengthUnit,
+    MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, ShapeKind, read_bytes,
+    read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
 
@@ -416,7 +416,10 @@ pub(crate) fn make_sample(name: &str, size: &SampleSize) -> Result<ShapeFile, Cl
         if let Some(sigma) = size.noise {
             grid.add_noise(NoiseSigma::MeanEdge(sigma), size.seed).map_err(CliError::input)?;
         }
-        let mut file = ShapeFile::from_grid(GridLayout::new(&grid.sizes, &grid.spacings))?;
+        let is_image = grid.sizes.len() == 2;
+        let unit = if is_image { LengthUnit::METER } else { LengthUnit::MILLIMETER };
+        let layout = GridLayout { unit: Some(unit), ..GridLayout::new(&grid.sizes, &grid.spacings) };
+        let mut file = ShapeFile::from_grid(layout)?;
         let values = grid.values.iter().map(|v| *v as f32).collect();
         let mut field = Field::new(GRID_VALUES, grid.n_frames, FieldValues::F32(values));
         field.frame_step = grid.frame_step;
