@@ -21,10 +21,10 @@ pub(crate) const PAGES: [&str; 13] = [
     "docs/PERFORMANCE.md",
 ];
 
-#[test]
-fn commands_of_each_page_run_in_an_empty_folder() {
+/// Runs the commands of some pages, each page in a folder of its own.
+fn run_pages(pages: &[&str]) {
     let mut faults = Faults::default();
-    for page in PAGES {
+    for page in pages {
         let folder = TempDir::new().unwrap();
         faults.inspect(&run_line(folder.path(), "formats"));
         let mut commands = in_document(&root().join(page));
@@ -33,4 +33,19 @@ fn commands_of_each_page_run_in_an_empty_folder() {
         run_all(folder.path(), &commands, &shrink_sizes, &mut faults);
     }
     faults.finish();
+}
+
+#[test]
+fn commands_of_the_first_pages_run_in_an_empty_folder() {
+    run_pages(&PAGES[..2]);
+}
+
+#[test]
+fn commands_by_task_run_in_an_empty_folder() {
+    run_pages(&PAGES[2..3]);
+}
+
+#[test]
+fn commands_of_other_pages_run_in_an_empty_folder() {
+    run_pages(&PAGES[3..]);
 }

@@ -202,31 +202,32 @@ impl SeriesParts<'_> {
     /// One channel on the domain.
     fn group(&self, field: &[f64]) -> ChannelGroup<'_> {
         let domains = self.is_linear.then(|| vec![self.decomposer.fit_domain(field)]);
-        ChannelGroup { decomposer: self.decomposer, d: 1, is_known: self.is_known, domains, probe: 0 }
+        ChannelGroup { decomposer: self.decomposer, d: 1, is_known: self.is_known, domains }
     }
 
-    /// Standard deviation of the noise of each component: the median over some frames.
+    /// Standard deviation of the noise of each component, from some frames together, which are compared with as many fields
+    /// of noise of variance 1: one for all would give its own error to every frame.
     fn noise(&self, series: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, DenoiseError> {
         let (n_frames, d, row) = (self.axis.n_frames(), self.n_components, self.row());
         let between = n_frames.saturating_sub(2).max(1);
         let n_measured = NOISE_FRAMES.min(between);
         let mut noise = Vec::with_capacity(d);
         for c in 0..d {
-            let mut found = Vec::with_capacity(n_measured);
-            for k in 0..n_measured {
+            let differences = parallel::try_collect(series.len() / row * n_measured, progress, |i| {
+                let (x, k) = (i / n_measured, i % n_measured);
                 let at = (2 * k + 1) * between / (2 * n_measured);
-                let value = |x: usize, t: usize| series[x * row + t * d + c];
+                let value = |t: usize| series[x * row + t * d + c];
                 // The difference has the variance of the noise.
-                let field = parallel::try_collect(series.len() / row, progress, |x| match n_frames {
-                    2 => (value(x, 1) - value(x, 0)) / 2.0_f64.sqrt(),
-                    _ => (value(x, at + 1) - 0.5 * (value(x, at) + value(x, at + 2))) / 1.5_f64.sqrt(),
-                })?;
-                // Each frame is compared with noise of its own, so that the error of one probe is not that of all.
-                let group = ChannelGroup { probe: (c * n_measured + k) as u64, ..self.group(&field) };
-                found.push(group.level(&field, &self.walk, progress.quiet())?);
-            }
-            found.sort_unstable_by(f64::total_cmp);
-            noise.push(found[found.len() / 2]);
+                match n_frames {
+                    2 => (value(1) - value(0)) / 2.0_f64.sqrt(),
+                    _ => (value(at + 1) - 0.5 * (value(at) + value(at + 2))) / 1.5_f64.sqrt(),
+                }
+            })?;
+            let domain = |k: usize| self.decomposer.fit_domain(&channel(&differences, k, n_measured));
+            let domains = self.is_linear.then(|| (0..n_measured).map(domain).collect());
+            let (decomposer, is_known) = (self.decomposer, self.is_known);
+            let frames = ChannelGroup { decomposer, d: n_measured, is_known, domains };
+            noise.push(frames.level(&differences, &self.walk, progress.quiet())?);
         }
         Ok(noise)
     }

@@ -211,7 +211,7 @@ pub fn denoise_signal(
                 (0..n_together).map(|c| decomposer.fit_domain(&channel(data, c, n_together))).collect();
             let is_linear = decomposer.applied_local_fit(params.local_fit) == LocalFit::Linear;
             let domains = Some(domains).filter(|_| is_linear);
-            ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains, probe: 0 }
+            ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains }
         };
         let scale = Stabilizer::new(&data, params, |data| group_of(data).level(data, &walk, progress))?;
         let stable = scale.transformed(&data);
@@ -322,8 +322,6 @@ pub(super) struct ChannelGroup<'a> {
     pub(super) is_known: &'a (dyn Fn(usize) -> bool + Sync),
     /// Domain over which each channel is fitted, if smoothing is about a local linear fit.
     pub(super) domains: Option<Vec<FitDomain>>,
-    /// Number of the noise of variance 1 with which residuals are compared.
-    pub(super) probe: u64,
 }
 
 /// Channel `c` of `data`, n × d.
@@ -533,7 +531,7 @@ impl<'a> ChannelGroup<'a> {
         let mut channels = Vec::new();
         for (c, fit) in fits.iter().enumerate() {
             let field = channel(data, c, self.d);
-            let white = self.white_noise(field.len(), c);
+            let white = white_noise(field.len(), c);
             channels.push([fit.residuals(&field, progress)?, fit.residuals(&white, progress)?]);
         }
         let differ = |field: &[f64]| self.differences(field, neighbors, progress);
@@ -553,7 +551,7 @@ impl<'a> ChannelGroup<'a> {
             walk.operator().difference(field, self.d, &mut out, progress)?;
             Ok(out)
         };
-        let fields = vec![[differ(data)?, differ(&self.white_noise(data.len(), 0))?]];
+        let fields = vec![[differ(data)?, differ(&white_noise(data.len(), 0))?]];
         let neighbors = self.decomposer.try_neighbors(progress)?;
         Ok(self.level_of_residuals(data, fields, neighbors, differ)?)
     }
@@ -565,7 +563,7 @@ impl<'a> ChannelGroup<'a> {
         let mut channels = Vec::new();
         for c in 0..self.d {
             let field = channel(data, c, self.d);
-            let white = self.white_noise(field.len(), c);
+            let white = white_noise(field.len(), c);
             channels.push([differ(&field)?, differ(&white)?]);
         }
         Ok(self.level_of_residuals(data, channels, neighbors, differ)?)
@@ -615,12 +613,6 @@ impl<'a> ChannelGroup<'a> {
         Ok(least.filter(|level| *level > ROUNDING * largest).unwrap_or(0.0))
     }
 
-    /// Noise of variance 1 for a channel.
-    fn white_noise(&self, n: usize, channel: usize) -> Vec<f64> {
-        let mut random = Pcg64Mcg::seed_from_u64(SEED + channel as u64 + self.d as u64 * self.probe);
-        (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
-    }
-
     /// Values minus the means of their known neighbors; 0 without any.
     fn differences(
         &self,
@@ -637,6 +629,12 @@ impl<'a> ChannelGroup<'a> {
             if n > 0.0 && (self.is_known)(x) { field[x] - sum / n } else { 0.0 }
         })
     }
+}
+
+/// Noise of variance 1 for a channel.
+fn white_noise(n: usize, channel: usize) -> Vec<f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(SEED + channel as u64);
+    (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
 /// Fits made from others, one for each; consecutive fits over the same domain share one.
