@@ -113,6 +113,8 @@ struct TransformJob {
 /// The bands of a job, and the values that they are the bands of.
 struct SplitSignal<'a> {
     bands: Bands,
+    /// The domain without the places where the signal is unknown.
+    decomposer: Cow<'a, Decomposer>,
     /// The signal; of directions and tensors what takes part, of tensors in a volume their logarithms.
     values: Cow<'a, [f64]>,
 }
@@ -140,7 +142,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let split = watch.lap();
     write(args, &job, &split_signal, global)?;
     let seconds = TransformSeconds { read, prepare, split, write: watch.lap() };
-    report(args, &job, &split_signal.bands, &seconds, global)
+    report(args, &job, &split_signal, &seconds, global)
 }
 
 /// Splits the signal of a job.
@@ -152,15 +154,18 @@ fn split<'a>(job: &'a TransformJob, name: &str, global: &Global<'_>) -> Result<S
         };
         if job.quantity.are_numbers() {
             let values = Cow::Borrowed(&job.signal.values[..]);
-            return Ok(SplitSignal { bands: bands(&job.decomposer, &job.signal, progress)?, values });
+            let bands = bands(&job.decomposer, &job.signal, progress)?;
+            return Ok(SplitSignal { bands, decomposer: Cow::Borrowed(&job.decomposer), values });
         }
         let carried =
             Carried::new(job.quantity, &job.decomposer, &job.signal, name, global, progress.quiet())?;
-        let own = carried.signals.iter().map(|own| {
-            let masked = mask_missing(own.decomposer.clone(), &own.signal, name, global)?;
-            Ok(bands(&masked, &own.signal, progress)?)
-        });
-        let own = own.collect::<Result<Vec<Bands>, CliError>>()?;
+        let mut masked = Vec::with_capacity(carried.signals.len());
+        for own in &carried.signals {
+            masked.push(mask_missing(own.decomposer.clone(), &own.signal, name, global)?);
+        }
+        let own = carried.signals.iter().zip(&masked);
+        let own = own.map(|(own, masked)| bands(masked, &own.signal, progress));
+        let own = own.collect::<Result<Vec<Bands>, _>>()?;
         let level = |k: usize| -> Result<Vec<f64>, CliError> {
             let of_level = |bands: &'_ Bands| {
                 let len = bands.n_vertices * bands.n_channels;
@@ -173,7 +178,7 @@ fn split<'a>(job: &'a TransformJob, name: &str, global: &Global<'_>) -> Result<S
         let given: Vec<&[f64]> = carried.signals.iter().map(|own| &own.signal.values[..]).collect();
         let values = carried.join_band(&given)?;
         let bands = own[0].with_levels(job.signal.n_channels, &levels);
-        Ok(SplitSignal { bands, values: Cow::Owned(values) })
+        Ok(SplitSignal { bands, decomposer: Cow::Owned(masked.swap_remove(0)), values: Cow::Owned(values) })
     })
 }
 
@@ -243,7 +248,7 @@ fn write(
     split_signal: &SplitSignal<'_>,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let SplitSignal { bands, values } = split_signal;
+    let SplitSignal { bands, values, .. } = split_signal;
     match job.file {
         BandsFile::Npz => with_spinner(global, "writing", || {
             let extra = job.time.as_ref();
@@ -260,11 +265,12 @@ fn write(
 fn report(
     args: &TransformArgs,
     job: &TransformJob,
-    bands: &Bands,
+    split_signal: &SplitSignal<'_>,
     seconds: &TransformSeconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let energy = bands.energy(&job.decomposer.areas())?;
+    let bands = &split_signal.bands;
+    let energy = bands.energy(&split_signal.decomposer.areas())?;
     let diagonal = job.decomposer.extent();
     let name = args.signal.name_on(&job.input.file);
     let [one, many] = job.input.row_words();
@@ -408,7 +414,7 @@ fn write_fields(
     job: &TransformJob,
     split_signal: &SplitSignal<'_>,
 ) -> Result<(), CliError> {
-    let SplitSignal { bands, values } = split_signal;
+    let SplitSignal { bands, values, .. } = split_signal;
     let mut file = clone_for_output(&job.input.file, path);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));

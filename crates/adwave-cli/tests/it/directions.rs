@@ -194,6 +194,15 @@ fn tensors_of_a_volume_stay_positive_and_their_determinants_diffuse() {
         .success();
     let (found, expected) = (trace(&smooth), field(&at("expected.nii"), GRID_VALUES));
     assert!(apart(&found[2..], &expected[2..]) < 1e-9);
+    // Tensors that take no part have no share in the size of a band.
+    let report = json(folder.path(), "transform dti.nii -o bands.nii --tensors mrtrix --fwhm 5");
+    let energy = report["energy"][0].as_f64().unwrap();
+    assert!(energy > 0.0, "{report}");
+    let bands = field(&at("bands.nii"), GRID_VALUES);
+    let logs = log_tensors(&TensorOrder::Diagonal.to_upper(&values), Progress::none()).unwrap().logarithms;
+    let logs = TensorOrder::Diagonal.reorder_upper(&logs);
+    let sums: Vec<f64> = bands.chunks_exact(12).flat_map(|row| (0..6).map(|c| row[c] + row[6 + c])).collect();
+    assert!(sums[..12].iter().all(|v| v.is_nan()) && apart(&sums[12..], &logs[12..]) < 1e-6);
     let said =
         refused(folder.path(), "filter logdet.nii -o o.nii --tensors fsl --fwhm 5 --preset suppress --quiet");
     assert!(said.contains("six components, and values has 1 number at each place"), "{said}");
