@@ -55,6 +55,9 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         time.describe(&mut text, Some(gains));
         report["time"] = time.to_json(Some(gains));
         if let Some(rows) = &job.gains_by_time {
+            let row = |row: &Vec<f64>| row.iter().map(|gain| number(*gain)).collect::<Vec<_>>().join(", ");
+            let rows_text = rows.iter().map(row).collect::<Vec<_>>().join("; ");
+            let _ = writeln!(text, "gains in space for each band along time, and for the rest: {rows_text}");
             report["time"]["gains_by_time"] = json!(rows);
             report["layers"] = json!([]);
         }
