@@ -55,11 +55,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         time.describe(&mut text, Some(gains));
         report["time"] = time.to_json(Some(gains));
         if let Some(rows) = &job.gains_by_time {
-            let row = |row: &Vec<f64>| row.iter().map(|gain| number(*gain)).collect::<Vec<_>>().join(", ");
-            let rows_text = rows.iter().map(row).collect::<Vec<_>>().join("; ");
-            let _ = writeln!(text, "gains in space for each band along time, and for the rest: {rows_text}");
-            report["time"]["gains_by_time"] = json!(rows);
-            report["layers"] = json!([]);
+            describe_gains_by_time(rows, &mut text, &mut report);
         }
     }
     if let EditedSignal::Points(points) = &edited {
@@ -101,6 +97,15 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let _ = writeln!(text, "{}", saved.path.display());
     }
     print(global, &text, &report)
+}
+
+/// Adds the gains in space for each band along time.
+fn describe_gains_by_time(rows: &[Vec<f64>], text: &mut String, report: &mut serde_json::Value) {
+    let row = |row: &Vec<f64>| row.iter().map(|gain| number(*gain)).collect::<Vec<_>>().join(", ");
+    let listed = rows.iter().map(row).collect::<Vec<_>>().join("; ");
+    let _ = writeln!(text, "gains in space for each band along time, and for the rest: {listed}");
+    report["time"]["gains_by_time"] = json!(rows);
+    report["layers"] = json!([]);
 }
 
 /// Adds the change of a field: how many labels are others, or by how much numbers differ.

@@ -350,7 +350,7 @@ const MAX_BOUND_RATIO: f64 = 1.02;
 /// Distances caused by rounding, as a share of the diagonal.
 const ROUNDING_SHARE: f64 = 1e-11;
 
-/// What is known of the distances between both shapes.
+/// Text on what is known of the distances between both shapes.
 fn error_text(input: &Input, simplified_shape: &Simplified) -> String {
     let diagonal = input.shape.extent();
     let percent = |length: f64| percent_of(length, diagonal);
