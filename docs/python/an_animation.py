@@ -66,7 +66,7 @@ print(f"motion {larger:.2f} times as large")
 assert np.allclose(lively.points.mean(axis=0), mean) and 1.6 < larger < 1.7
 
 # %% [markdown]
-# How far each vertex moves, by the size of what moves, and in all. The hand that waves moves most, the feet
+# The motion of each vertex, by the size of what moves, and in all. The hand that waves moves most, the feet
 # hardly.
 
 # %%
