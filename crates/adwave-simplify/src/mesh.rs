@@ -48,10 +48,9 @@ pub struct MeshParams {
     pub target: MeshTarget,
     /// Treatment of borders.
     pub border: Border,
-    /// Whether [`SimplifiedMesh::deviation`] is measured, which takes a third more time and more than twice the
-    /// memory.
+    /// True for a measured [`SimplifiedMesh::deviation`], which takes a third more time and more than twice the memory.
     pub is_measured: bool,
-    /// Whether [`SimplifiedMesh::faces`] are the nearest ones.
+    /// True for [`SimplifiedMesh::faces`] that are the nearest ones.
     pub has_nearest_faces: bool,
 }
 

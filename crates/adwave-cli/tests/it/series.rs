@@ -101,7 +101,7 @@ fn gains_by_time_are_those_of_the_bands_with_two_indices() {
     let n = found.len();
     let expected: Vec<f64> =
         (0..n).map(|i| (0..6).map(|k| gains[k / 2][k % 2] * band[k * n + i]).sum()).collect();
-    assert!(apart(&found, &expected) < 1e-6, "{}", apart(&found, &expected));
+    assert!(apart(&found, &expected) < 1e-9, "{}", apart(&found, &expected));
     for (line, says) in [
         ("--fwhm 3,6 --time-fwhm 4s --gains-by-time 0,1", "2 rows"),
         ("--fwhm 3 --time-fwhm 4s --gains-by-time 0,1;1,1 --quiet", "got 2"),

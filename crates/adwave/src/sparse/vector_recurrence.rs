@@ -135,7 +135,7 @@ struct PassTerm<'a> {
     is_weighed: bool,
 }
 
-/// What a tile reads and writes in a pass.
+/// A tile with the parts of the vectors and sums that a pass writes.
 struct TileJob<'a, I> {
     /// Number of the tile.
     number: usize,
@@ -246,7 +246,7 @@ impl<'a> VectorRecurrence<'a> {
     }
 }
 
-/// What all tiles of a pass read.
+/// Data that all tiles of a pass read.
 struct PassReading<'a> {
     tiles: &'a VectorTiles,
     weights: RowWeights<'a>,
