@@ -2,7 +2,7 @@
 
 use crate::prepared_shape::{PreparedShape, analysis_operator, build_decomposer};
 use crate::response::{
-    ApiError, ApiResult, bytes_response_with_header, encode_f32, encode_rows, json_response,
+    ApiError, ApiResult, bytes_response, bytes_response_with_header, encode_f32, encode_rows, json_response,
 };
 use crate::session::Session;
 use adwave::bands::BandsParams;
@@ -13,8 +13,9 @@ use adwave::operator::OperatorKind;
 use adwave::saliency::saliency_f32;
 use adwave::signal::SurfaceSignal;
 use adwave::{LevelSpec, Progress};
-use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
+use adwave_io::{Field, ShapeFile, SignalSource, mark_unknown, named_signal, region_field};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// Origin of a field, which determines the actions that the page offers for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +28,8 @@ pub(crate) enum FieldOrigin {
     Editable,
     /// Values of the file or of an added file that are labels, or missing everywhere.
     Fixed,
+    /// One channel of a field of the file that has several.
+    Channel,
     /// Colors of the file, which have no single value per vertex.
     Colors,
 }
@@ -39,12 +42,21 @@ pub(crate) struct FieldInfo {
     unit: String,
     origin: FieldOrigin,
     diverging: bool,
+    series: Option<Series>,
+}
+
+/// Series that a field is a frame of; its frames are listed in order.
+#[derive(Clone, Debug, PartialEq)]
+struct Series {
+    name: String,
+    /// Seconds from one frame to the next, if the file says so.
+    step: Option<f64>,
 }
 
 impl FieldInfo {
     fn new(name: &str, label: &str, unit: &str, origin: FieldOrigin) -> Self {
         let (name, label, unit) = (name.to_owned(), label.to_owned(), unit.to_owned());
-        Self { name, label, unit, origin, diverging: false }
+        Self { name, label, unit, origin, diverging: false, series: None }
     }
 
     pub(crate) fn name(&self) -> &str {
@@ -65,6 +77,8 @@ impl FieldInfo {
             "edited": self.origin == FieldOrigin::EditedShape,
             "rgb": self.origin == FieldOrigin::Colors,
             "editable": self.origin == FieldOrigin::Editable,
+            "channel": self.origin == FieldOrigin::Channel,
+            "series": self.series.as_ref().map(|series| json!({"name": series.name, "step": series.step})),
         })
     }
 }
@@ -90,16 +104,112 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
         fields.push(FieldInfo::new(&name, &label, "model units", Bands));
     }
     let (file, uneditable) = (session.file(), session.uneditable_fields());
-    for stored in file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
-        if !fields.iter().any(|known| known.name == stored.name) {
-            let origin = if uneditable.contains(&stored.name) { Fixed } else { Editable };
-            fields.push(FieldInfo::new(&stored.name, &stored.name, "", origin));
+    let computed: HashSet<String> = fields.iter().map(|field| field.name.clone()).collect();
+    let first = fields.len();
+    for stored in file.vertex_fields() {
+        if stored.n_channels == 1 {
+            if !computed.contains(&stored.name) {
+                let origin = if uneditable.contains(&stored.name) { Fixed } else { Editable };
+                fields.push(FieldInfo::new(&stored.name, &stored.name, "", origin));
+            }
+        } else if !GEOMETRIC.contains(&stored.name.as_str()) {
+            fields.extend((1..=stored.n_channels).map(|c| {
+                let name = format!("{} {c}", stored.name);
+                FieldInfo::new(&name, &name, "", FieldOrigin::Channel)
+            }));
         }
     }
+    join_series(&mut fields[first..], &file);
     if file.field("color").is_some_and(|color| matches!(color.n_channels, 3 | 4)) {
         fields.push(FieldInfo::new("color", "Colors of the file", "", Colors));
     }
     fields
+}
+
+/// Fields of several channels that belong to the geometry or to its look.
+const GEOMETRIC: [&str; 4] = ["color", "normal", "texcoord", "tangent"];
+
+/// Splits the number off the end of a name such as `bold 12`, with what separates them.
+fn split_number(name: &str) -> Option<(&str, usize)> {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number = name[stem.len()..].parse().ok()?;
+    (!stem.is_empty()).then_some((stem, number))
+}
+
+/// Marks the fields whose names differ in a number that counts up from 0 or 1 as frames of a series.
+fn join_series(fields: &mut [FieldInfo], file: &ShapeFile) {
+    let mut start = 0;
+    while start < fields.len() {
+        let numbered = split_number(&fields[start].name).filter(|(_, number)| *number <= 1);
+        let Some((stem, number)) = numbered.map(|(stem, number)| (stem.to_owned(), number)) else {
+            start += 1;
+            continue;
+        };
+        let is_next = |k: usize| split_number(&fields[k].name) == Some((stem.as_str(), number + k - start));
+        let end = (start..fields.len()).find(|&k| !is_next(k)).unwrap_or(fields.len());
+        let name = stem.trim_end_matches([' ', '_', '-', '.', ':']);
+        let stored = file.field(name).or_else(|| file.field(&fields[start].name));
+        let series = Series {
+            name: if name.is_empty() { stem.clone() } else { name.to_owned() },
+            step: stored.and_then(|field| field.frame_step),
+        };
+        if end > start + 1 {
+            for field in &mut fields[start..end] {
+                field.series = Some(series.clone());
+            }
+        }
+        start = end;
+    }
+}
+
+/// Values of a stored field of one channel, or of one channel of another, whose name is followed by the number of the
+/// channel; unknown values are NaN. `None` if there is no such field.
+fn stored_values(file: &ShapeFile, name: &str) -> Option<Vec<f64>> {
+    let (field, c) = match file.field(name).filter(|field| field.n_channels == 1) {
+        Some(field) => (field, 0),
+        None => {
+            let (stem, channel) = name.rsplit_once(' ')?;
+            let field = file.field(stem)?;
+            let channel = channel.parse::<usize>().ok()?.checked_sub(1);
+            (field, channel.filter(|&c| c < field.n_channels)?)
+        }
+    };
+    let mut values: Vec<f64> = (0..field.len()).map(|x| field.get(x, c)).collect();
+    mark_unknown(&mut values, 1);
+    Some(values)
+}
+
+/// Largest number of values in a sample of a series.
+const SERIES_SAMPLE: usize = 1 << 16;
+
+/// Responds with a sample of the values of all frames of a series, `f32`, with the least and the greatest of all. The
+/// frames share the range of colors that is chosen from it.
+pub(crate) fn series_response(session: &Session, name: &str) -> ApiResult {
+    let known = list_fields(session, 0);
+    let series = known.iter().find(|field| field.name == name).and_then(|field| field.series.clone());
+    let Some(series) = series else {
+        return Err(ApiError::bad_request(format!(
+            "'{name}' is no frame of a series; see `series` in `fields` of the shape"
+        )));
+    };
+    let file = session.file();
+    let frames: Vec<_> = known.iter().filter(|field| field.series.as_ref() == Some(&series)).collect();
+    let step = (frames.len() * session.points().len()).div_ceil(SERIES_SAMPLE).max(1);
+    let (mut sample, mut low, mut high) = (Vec::new(), f64::INFINITY, f64::NEG_INFINITY);
+    let mut place = 0;
+    for frame in frames {
+        for value in stored_values(&file, &frame.name).unwrap_or_default() {
+            if value.is_finite() {
+                (low, high) = (low.min(value), high.max(value));
+            }
+            if place % step == 0 {
+                sample.push(value);
+            }
+            place += 1;
+        }
+    }
+    sample.extend([low, high].iter().filter(|value| value.is_finite()));
+    Ok(bytes_response(encode_f32(sample.len(), |k| sample[k] as f32)))
 }
 
 /// Encodes colors as `u8 × 4 × n`.
@@ -141,15 +251,13 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         let map = prepared.decomposer.vertex_map();
         let rows: &[[f64; 3]] = prepared.editor.wavelets().levels[level - 1].as_chunks().0;
         encode_f32(n, |x| norm(rows[map.welded(x)].into_iter()))
+    } else if let Some(values) = stored_values(&session.file(), name).filter(|_| !info.is_computed()) {
+        encode_f32(n, |x| values[x] as f32)
     } else if name == "saliency" {
         let saliency = compute_saliency(session, &prepared)?;
         encode_f32(n, |x| saliency[x])
     } else {
-        let file = if info.origin == FieldOrigin::EditedShape {
-            session.edited_file(&prepared)?
-        } else {
-            ShapeFile::clone(&session.file())
-        };
+        let file = session.edited_file(&prepared)?;
         drop(prepared);
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let source = SignalSource { file: &file, shape: &shape, name: &session.input.name };

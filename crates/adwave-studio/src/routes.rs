@@ -323,6 +323,7 @@ async fn send_field(State(studio): StudioState, Path(id): Path<u64>, Query(query
             .ok_or_else(|| ApiError::bad_request("the name of a field is missing; add ?name=NAME"))?;
         match query.get("of").map(String::as_str) {
             Some("region") => fields::region_field_response(session, name),
+            Some("series") => fields::series_response(session, name),
             _ => fields::field_response(session, name),
         }
     })

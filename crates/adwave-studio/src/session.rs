@@ -275,8 +275,11 @@ impl Session {
     }
 }
 
-/// Largest number of fields that a file of values may add.
+/// Largest number of values per vertex that a file may add in any case.
 const MAX_ADDED_FIELDS: usize = 64;
+
+/// Largest number of values that a file of more channels may add: half a GiB of them.
+const MAX_ADDED_VALUES: usize = 1 << 26;
 
 /// Returns the name for the field of a file of values: the file name without its extensions.
 pub(crate) fn name_of_values(file_name: &str) -> &str {
@@ -292,9 +295,10 @@ fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<St
     let source = SignalSource { file, shape, name: "the shape" };
     let signal = named_signal(source, &path.to_string_lossy(), None).map_err(|e| e.to_string())?;
     let n_channels = signal.n_channels;
-    if n_channels > MAX_ADDED_FIELDS {
+    let most = MAX_ADDED_FIELDS.max(MAX_ADDED_VALUES / shape.n_vertices().max(1));
+    if n_channels > most {
         return Err(format!(
-            "{name} must have at most {MAX_ADDED_FIELDS} values per vertex, got {n_channels}; select some with `adwave convert`"
+            "{name} must have at most {most} values for each of so many vertices, got {n_channels}; add a part of its frames, or fewer columns"
         ));
     }
     let stem = name_of_values(&name);
@@ -307,10 +311,15 @@ fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<St
             })
             .collect(),
     };
+    // Frames of a longer file of this name that was added before.
+    let number = |field: &str| field.strip_prefix(stem)?.strip_prefix(' ')?.parse::<usize>().ok();
+    file.drop_added_fields(|field| n_channels > 1 && number(field).is_some_and(|k| k > n_channels));
     for (c, name) in names.iter().enumerate() {
         let values = signal.values.iter().skip(c).step_by(n_channels).copied().collect();
-        file.add_vertex_field(Field::new(name.as_str(), 1, FieldValues::F64(values)))
-            .map_err(|e| e.to_string())?;
+        let mut field = Field::new(name.as_str(), 1, FieldValues::F64(values));
+        // The page shows unnamed channels as the frames of a series.
+        field.frame_step = signal.frame_step;
+        file.add_vertex_field(field).map_err(|e| e.to_string())?;
     }
     Ok(names)
 }

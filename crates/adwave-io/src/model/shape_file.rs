@@ -311,6 +311,17 @@ impl ShapeFile {
         Ok(())
     }
 
+    /// Removes those vertex fields that were added since the file was read and whose names satisfy `is_dropped`.
+    pub fn drop_added_fields(&mut self, is_dropped: impl Fn(&str) -> bool) {
+        let mut index = 0;
+        self.vertex_fields.retain(|field| {
+            index += 1;
+            index <= self.n_original_fields || !is_dropped(&field.name)
+        });
+        let fields = &self.vertex_fields;
+        self.edited.retain(|name| !is_dropped(name) || fields.iter().any(|field| field.name == *name));
+    }
+
     /// Adds a face field, or replaces the one of the same name.
     ///
     /// # Errors

@@ -6,7 +6,10 @@ use adwave::bands::Schedule;
 use adwave::filter::Edit;
 use adwave::local_fit::LocalFit;
 use adwave::{Decomposer, LevelSpec};
-use adwave_io::{FieldValues, ReadLimits, parse_recipe, read_npy_bytes, read_path};
+use adwave_io::{
+    ArrayValues, Field, FieldValues, ReadLimits, parse_recipe, read_npy_bytes, read_path, write_npy,
+    write_path,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 use tempfile::TempDir;
@@ -254,4 +257,108 @@ fn a_recipe_of_a_field_that_cannot_be_opened_says_what_to_do() {
     assert_eq!(studio.get("/api/shapes/1/edit").json(), before, "nothing changed");
     let column = format!("field = 'some/two.csv:second'\n{layer}");
     assert_eq!(studio.ask("PUT", "/api/shapes/1/recipe", column.as_bytes()).json()["field"], "two second");
+}
+
+/// A NumPy array of doubles, `n` × `n_frames`, as bytes.
+fn npy(values: &[f64], n_frames: usize) -> Vec<u8> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("values.npy");
+    write_npy(&path, &[values.len() / n_frames, n_frames], ArrayValues::F64(values)).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn values_over_time_are_frames_of_a_series() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 800);
+    let kept = folder.path().join("kept");
+    let studio = Studio::on(&path, &kept);
+    let n = opened(&path).file.n_vertices();
+    // More frames than a file of other columns may have.
+    let n_frames = 150;
+    let value = |x: usize, t: usize| (x as f64 / 50.0).sin() * (t as f64 / 9.0).cos() + 0.01 * t as f64;
+    let mut values: Vec<f64> = (0..n * n_frames).map(|k| value(k / n_frames, k % n_frames)).collect();
+    values[3 * n_frames + 70] = 1e3;
+    values[5 * n_frames + 20] = f64::NAN;
+    let added = studio.ask("POST", "/api/shapes/1/fields?name=bold.npy", &npy(&values, n_frames)).json();
+    assert_eq!(added["fields"].as_array().unwrap().len(), n_frames);
+    let listed = |studio: &Studio| {
+        let info = studio.get("/api/shapes/1").json();
+        let fields = info["fields"].as_array().unwrap().clone();
+        fields.into_iter().filter(|f| f["series"]["name"] == "bold").collect::<Vec<_>>()
+    };
+    let fields = listed(&studio);
+    assert_eq!(fields.len(), n_frames);
+    for (t, field) in fields.iter().enumerate() {
+        assert_eq!(field["name"], format!("bold {}", t + 1));
+        assert_eq!((&field["editable"], &field["channel"]), (&json!(true), &json!(false)));
+    }
+    for t in [0, 20, 149] {
+        let shown = studio.get(&format!("/api/shapes/1/field?name=bold%20{}", t + 1)).floats();
+        assert_eq!(shown.len(), n);
+        for (x, a) in shown.iter().enumerate() {
+            let b = values[x * n_frames + t] as f32;
+            assert!(*a == b || (a.is_nan() && b.is_nan()), "frame {t}, vertex {x}: {a} and {b}");
+        }
+    }
+    // The sample has the extremes of all frames, and as many small values as large ones.
+    let sample = studio.get("/api/shapes/1/field?name=bold%207&of=series").floats();
+    assert!(sample.len() > 20_000 && sample.len() <= (1 << 16) + 2, "{}", sample.len());
+    let known: Vec<f32> = values.iter().filter(|v| v.is_finite()).map(|v| *v as f32).collect();
+    let extreme = |list: &[f32], better: fn(f32, f32) -> f32| {
+        list.iter().copied().filter(|v| v.is_finite()).reduce(better).unwrap()
+    };
+    assert_eq!(extreme(&sample, f32::max), 1e3);
+    assert_eq!(extreme(&sample, f32::min), extreme(&known, f32::min));
+    let mean = |list: &[f32]| {
+        let usual: Vec<f32> = list.iter().copied().filter(|v| *v < 100.0).collect();
+        usual.iter().sum::<f32>() / usual.len() as f32
+    };
+    assert!((mean(&sample) - mean(&known)).abs() < 0.02, "{} and {}", mean(&sample), mean(&known));
+    let error = studio.ask("GET", "/api/shapes/1/field?name=saliency&of=series", b"");
+    assert_eq!(error.status, 400);
+    assert!(error.error().contains("no frame of a series"));
+    // They are there on the next visit; named columns are no series.
+    studio.ask("POST", "/api/shapes/1/fields?name=two.csv", two_columns(n).as_bytes());
+    studio.end();
+    let studio = Studio::on(&path, &kept);
+    assert_eq!(listed(&studio).len(), n_frames);
+    let info = studio.get("/api/shapes/1").json();
+    let two: Vec<_> = info["fields"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|f| f["name"].as_str().unwrap().starts_with("two "))
+        .collect();
+    assert_eq!(two.len(), 2);
+    assert!(two.iter().all(|f| f["series"].is_null()));
+    // A shorter series replaces the longer one.
+    let short: Vec<f64> = (0..n * 3).map(|k| k as f64).collect();
+    studio.ask("POST", "/api/shapes/1/fields?name=bold.npy", &npy(&short, 3));
+    assert_eq!(listed(&studio).len(), 3);
+    studio.end();
+}
+
+fn two_columns(n: usize) -> String {
+    (0..n).fold("thickness,area\n".to_owned(), |text, x| text + &format!("{x},{}\n", 2 * x))
+}
+
+#[test]
+fn channels_of_a_field_of_the_file_are_frames() {
+    let folder = TempDir::new().unwrap();
+    let mut file = opened(&creature(&folder, 300)).file;
+    let n = file.n_vertices();
+    let flow: Vec<f32> = (0..3 * n).map(|k| k as f32).collect();
+    file.add_vertex_field(Field::new("flow", 3, FieldValues::F32(flow))).unwrap();
+    let path = folder.path().join("flow.vtu");
+    write_path(&file, &path, None).unwrap();
+    let studio = Studio::on(&path, &folder.path().join("kept"));
+    let info = studio.get("/api/shapes/1").json();
+    let names: Vec<_> =
+        info["fields"].as_array().unwrap().iter().filter(|f| f["series"]["name"] == "flow").collect();
+    assert_eq!(names.len(), 3, "{}", info["fields"]);
+    assert!(names.iter().all(|f| f["channel"] == true && f["editable"] == false));
+    let second = studio.get("/api/shapes/1/field?name=flow%202").floats();
+    assert!(second.iter().enumerate().all(|(x, v)| *v == (3 * x + 1) as f32));
+    studio.end();
 }

@@ -24,9 +24,10 @@ import { ADWAVE, creature, OUT } from './support/studio-server';
 /** Header of a NumPy array of `n` doubles. */
 const NPY_HEADER = 128;
 
-/** A NumPy array of doubles as bytes. */
-function npy(values: Float64Array): Buffer {
-  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${values.length},), }`;
+/** A NumPy array of doubles as bytes, with rows of `nColumns`. */
+function npy(values: Float64Array, nColumns: number | null = null): Buffer {
+  const shape = nColumns === null ? `(${values.length},)` : `(${values.length / nColumns}, ${nColumns})`;
+  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': ${shape}, }`;
   const file = Buffer.alloc(NPY_HEADER, ' ');
   file.set([0x93, 0x4e, 0x55, 0x4d, 0x50, 0x59, 1, 0, NPY_HEADER - 10, 0]);
   file.write(head, 10);
@@ -333,5 +334,88 @@ test.describe
       await page.getByLabel('Where').first().selectOption('field');
       await page.waitForTimeout(300);
       await expect(page.locator('.toasts')).toContainText(/no value/);
+    });
+  });
+
+test.describe
+  .serial('values over time', () => {
+    let studio: OpenStudio;
+    let page: Page;
+    const nFrames = 80;
+    const bar = () => page.locator('.frame-bar');
+    const legendNumbers = () => page.locator('.legend-numbers').textContent();
+    const at = async () => Number((await bar().locator('output').textContent())!.split(' ')[0]);
+
+    test.beforeAll(async ({ browser }) => {
+      studio = await openStudio(browser, 'frames', creature(5000));
+      ({ page } = studio);
+      await expect(bar(), 'a shape without series has no frames').toBeHidden();
+      const positions = await page.evaluate(async () => [...(await window.studio.positions())]);
+      const n = positions.length / 3;
+      // A wave that runs up the body and grows, so that frames have other ranges.
+      const values = new Float64Array(n * nFrames);
+      for (let v = 0; v < n; v++) {
+        for (let t = 0; t < nFrames; t++) {
+          values[v * nFrames + t] = (1 + t / nFrames) * Math.sin(4 * positions[3 * v + 1]! - t / 6);
+        }
+      }
+      await dropFile(page, 'wave.npy', npy(values, nFrames));
+      await bar().waitFor();
+    });
+
+    test.afterAll(() => studio.end());
+
+    test('a slider chooses a frame, and all frames have the same colors', async () => {
+      await expect(page.locator('.toasts')).toContainText('a field of 80 frames');
+      expect(await at()).toBe(1);
+      const numbers = await legendNumbers();
+      const first = await page.locator('canvas.picture').screenshot();
+      await bar().getByRole('slider').fill('39');
+      await expect(page.locator('.legend-title')).toContainText('wave 40');
+      await page.waitForTimeout(300);
+      expect((await page.locator('canvas.picture').screenshot()).equals(first), 'other colors').toBe(false);
+      expect(await legendNumbers(), 'the colors keep their meaning').toBe(numbers);
+      await page.screenshot({ path: join(OUT, '23-frames.png') });
+      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      const entries = await page.getByLabel('Colors').locator('option').allInnerTexts();
+      expect(entries.filter((entry) => entry.startsWith('wave'))).toEqual(['wave (80 frames)']);
+    });
+
+    test('frames play, and the one on which they rest can be edited', async () => {
+      const numbers = await legendNumbers();
+      await bar().getByRole('button', { name: 'Play the frames' }).click();
+      await expect.poll(at).toBeGreaterThan(45);
+      await expect.poll(at, 'they begin again').toBeLessThan(40);
+      await bar().getByRole('button', { name: 'Pause' }).click();
+      const rest = await at();
+      expect(await legendNumbers()).toBe(numbers);
+      await expect(page.locator('.legend-title')).toContainText(`wave ${rest}`);
+      await page.waitForTimeout(400);
+      expect(await at(), 'nothing plays on').toBe(rest);
+      const target = page.getByRole('group', { name: 'Edit', exact: true });
+      await target.getByRole('button', { name: `wave ${rest}`, exact: true }).click();
+      await waitForBands(page);
+      await setSlider(page, 0, 0);
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).fields!.map((f) => f.field)).toEqual([`wave ${rest}`]);
+    });
+
+    test('a reload and a narrow window keep the frames', async () => {
+      const rest = await at();
+      await page.reload();
+      await waitUntilReady(page);
+      await expect.poll(at).toBe(rest);
+      await page.setViewportSize({ width: 390, height: 844 });
+      await page.waitForTimeout(400);
+      await page.screenshot({ path: join(OUT, '24-frames-390.png') });
+      const boxes = await Promise.all(
+        ['.frame-bar', '.legend', '.scale-bar'].map((name) => page.locator(name).boundingBox()),
+      );
+      const [frames, legend, scale] = boxes.map((box) => box!);
+      expect(legend!.y + legend!.height, 'the legend is above').toBeLessThanOrEqual(frames!.y);
+      expect(scale!.y + scale!.height, 'so is the scale').toBeLessThanOrEqual(frames!.y);
+      await page.getByRole('button', { name: 'View', exact: true }).last().click();
+      await page.getByLabel('Colors').selectOption('none');
+      await expect(bar()).toBeHidden();
     });
   });

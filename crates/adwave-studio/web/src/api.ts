@@ -132,6 +132,11 @@ export class Api {
     return { values: new Float32Array(await response.arrayBuffer()), info };
   }
 
+  /** Fetches a sample of the values of all frames of the series that a field belongs to. */
+  seriesSample(id: number, name: string): Promise<Float32Array<ArrayBuffer>> {
+    return this.floats(`shapes/${id}/field?name=${encodeURIComponent(name)}&of=series`);
+  }
+
   /** Fetches the colors of the file, `u8 × 4 × n`. */
   async colors(id: number, name: string): Promise<Uint8Array> {
     const response = await this.fetch(`shapes/${id}/field?name=${encodeURIComponent(name)}`);

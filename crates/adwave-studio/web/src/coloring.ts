@@ -12,6 +12,7 @@ import {
   rangeOf,
 } from './colors';
 import { h, select } from './dom';
+import { type FrameBar, frameBar, framesOf } from './frames';
 import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
 import { areNeutral, type DocLayer, layersOf } from './state';
@@ -32,6 +33,8 @@ const HISTOGRAM = { bins: 32, height: 24, color: 'rgb(132 136 140)' };
 export interface Coloring {
   controls: HTMLElement[];
   legend: HTMLElement;
+  /** Slider over the frames of a field over time. */
+  frames: HTMLElement;
   toggleChange(): void;
   /** Value of the list of colors that is shown. */
   readonly shown: string;
@@ -53,6 +56,9 @@ export function coloring(studio: Studio): Coloring {
   let diverging = false;
   let map: MapName = 'viridis';
   let rule: RangeRule = 'most';
+  /** Values from all frames of the series that is shown, which share the range of colors; `null` for other fields. */
+  let series: { name: string; sample: Float32Array } | null = null;
+  const frames: FrameBar = frameBar(showFrame);
   /** Values of the classes of the shown field; `null` for a field with a color map. */
   let classes: number[] | null = null;
 
@@ -138,7 +144,7 @@ export function coloring(studio: Studio): Coloring {
       paintClasses(classes);
       return;
     }
-    const ranged = unedited ?? values;
+    const ranged = series?.sample ?? unedited ?? values;
     if (!hasValues(ranged)) {
       bar.hidden = true;
       numbers.replaceChildren(h('span', {}, text.noValues));
@@ -203,10 +209,12 @@ export function coloring(studio: Studio): Coloring {
   async function color(name: string): Promise<void> {
     const mine = ++asked;
     const changed = name !== colored;
+    const entry = entryOf(colored);
     colored = name;
-    colorSelect.value = name;
+    colorSelect.value = entryOf(name);
     colorOptions.hidden = name === 'none';
     classes = null;
+    const list = showFrames(name);
     if (name !== DEVIATION) view.setBesideScalar(null);
     const field = studio.shape?.fields.find((f) => `field-${f.name}` === name);
     showEditable(field?.editable ? field.name : null);
@@ -257,12 +265,18 @@ export function coloring(studio: Studio): Coloring {
         if (mine !== asked) return;
         const after = field?.editable ? await editedValues(field.name) : null;
         if (mine !== asked) return;
+        if (list.length < 2) series = null;
+        else if (series?.name !== list[0]!.name) {
+          const sample = await studio.api.seriesSample(studio.shape!.id, list[0]!.name);
+          if (mine !== asked) return;
+          series = { name: list[0]!.name, sample };
+        }
         values = after ?? answer.values;
         unedited = after && answer.values;
         title = answer.info.label;
         unit = answer.info.unit;
         diverging = answer.info.diverging;
-        if (!field?.edited && !after) classes = classesOf(values);
+        if (!field?.edited && !after && !series) classes = classesOf(values);
       }
     } catch (error) {
       if (mine !== asked) return;
@@ -270,7 +284,8 @@ export function coloring(studio: Studio): Coloring {
       if (changed) void color('none');
       return;
     }
-    if (changed) {
+    if (!name.startsWith('field-')) series = null;
+    if (changed && entry !== entryOf(name)) {
       rule = 'most';
       map = diverging ? 'diverging' : 'viridis';
       mapSelect.querySelector('select')!.value = map;
@@ -286,6 +301,50 @@ export function coloring(studio: Studio): Coloring {
       );
     } else view.setScalar(values, [0, 1], map, unedited);
     paintLegend();
+  }
+
+  /** Entry of the list of colors for a field: that of the first frame for all frames of a series. */
+  function entryOf(name: string): string {
+    if (!name.startsWith('field-') || !studio.shape) return name;
+    const first = framesOf(studio.shape, name.slice(6))[0];
+    return first ? `field-${first.name}` : name;
+  }
+
+  /** Shows the slider over the frames of a field if it has several; returns them. */
+  function showFrames(name: string): FieldName[] {
+    const list = studio.shape && name.startsWith('field-') ? framesOf(studio.shape, name.slice(6)) : [];
+    frames.set(
+      list,
+      list.findIndex((f) => `field-${f.name}` === name),
+    );
+    return list;
+  }
+
+  /** Colors the shape by a frame of the series that is shown; what can be edited changes when the picture rests. */
+  async function showFrame(field: FieldName, rest: boolean): Promise<void> {
+    if (rest) return color(`field-${field.name}`);
+    const mine = ++asked;
+    const layers = field.editable ? layersOf(studio.doc, field.name) : null;
+    const { id } = studio.shape!;
+    try {
+      const isEdited = layers !== null && !areNeutral(layers);
+      const next = isEdited
+        ? await studio.api.editedField(id, field.name)
+        : (await studio.api.field(id, field.name)).values;
+      if (mine !== asked) return;
+      colored = `field-${field.name}`;
+      values = next;
+      title = field.label;
+      if (unedited) view.setScalar(values, [0, 1], map);
+      else view.updateScalar(values);
+      unedited = null;
+      view.markMoving();
+      paintLegend();
+    } catch (error) {
+      if (mine !== asked) return;
+      frames.stop();
+      studio.showMessage((error as Error).message, 'error');
+    }
   }
 
   /** Tells which field can be edited; one that is not shown any more is edited no longer. */
@@ -351,11 +410,25 @@ export function coloring(studio: Studio): Coloring {
     wasTarget ||= studio.target !== null;
   });
 
+  const isListed = (name: string) =>
+    [...colorSelect.options].some((option) => option.value === entryOf(name));
+
   /** Shape whose fields are listed. */
   let listedId = 0;
   function listColors(): void {
     const shape = studio.shape;
     if (!shape) return;
+    // A series has one entry, that of its first frame.
+    const counts = new Map<string, number>();
+    const listed = shape.fields.filter(isServerField).filter((f) => {
+      if (!f.series) return true;
+      const n = counts.get(f.series.name) ?? 0;
+      counts.set(f.series.name, n + 1);
+      return n === 0;
+    });
+    const labelOf = (f: FieldName) =>
+      f.series ? text.seriesOf(f.series.name, counts.get(f.series.name)!) : f.label;
+    series = null;
     colorSelect.replaceChildren(
       h('option', { value: 'none' }, text.noColors),
       h('option', { value: 'change' }, text.change),
@@ -363,7 +436,7 @@ export function coloring(studio: Studio): Coloring {
       h(
         'optgroup',
         { label: text.fields },
-        ...shape.fields.filter(isServerField).map((f) => h('option', { value: `field-${f.name}` }, f.label)),
+        ...listed.map((f) => h('option', { value: `field-${f.name}` }, labelOf(f))),
       ),
       h(
         'optgroup',
@@ -373,7 +446,7 @@ export function coloring(studio: Studio): Coloring {
         ),
       ),
     );
-    const kept = [...colorSelect.options].some((option) => option.value === colored);
+    const kept = isListed(colored);
     void color(kept && shape.id === listedId ? colored : 'none');
     listedId = shape.id;
   }
@@ -399,11 +472,12 @@ export function coloring(studio: Studio): Coloring {
   return {
     controls: [h('label', { class: 'field' }, h('span', {}, text.colors), colorSelect), colorOptions],
     legend,
+    frames: frames.element,
     get shown() {
       return colored;
     },
     show: (name) => {
-      if ([...colorSelect.options].some((option) => option.value === name)) void color(name);
+      if (isListed(name)) void color(name);
     },
     toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
     valueAt: (v) => {

@@ -38,6 +38,7 @@ const ICONS = {
   frame: 'M2.500 5.500v-3h3 M10.500 2.500h3v3 M13.500 10.500v3h-3 M5.500 13.500h-3v-3',
   before: 'M8 4.500V8l2.500 1.500 M3 5.200A5.700 5.700 0 1 1 2.400 9 M2.500 2.500v3h3',
   close: 'M4 4l8 8 M12 4l-8 8',
+  play: 'M5 3.500v9l7-4.500Z',
 } as const;
 
 export type IconName = keyof typeof ICONS;

@@ -4,6 +4,7 @@ import { ApiError } from './api';
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
+import { framesOf } from './frames';
 import { pictureWithLegend } from './picture';
 import type { Edit, ReadableFormat, Shape } from './protocol';
 import { toEdit } from './state';
@@ -95,6 +96,10 @@ export class Files {
     // A field of the same name has new values.
     if (studio.target !== null && added.fields.includes(studio.target)) await studio.loadTarget();
     const first = fields.find((f) => f.name === added.fields[0]);
+    if (first?.series) {
+      studio.showMessage(text.seriesAdded(first.series.name, framesOf(studio.shape, first.name).length));
+      return;
+    }
     studio.showMessage(text.fieldAdded(added.fields[0]!, first?.editable === true));
   }
 

@@ -19,6 +19,7 @@ const FEW_FEATURES = 200;
 export interface LookPanel {
   panel: HTMLElement;
   legend: HTMLElement;
+  frames: HTMLElement;
   readouts: HTMLElement;
   divider: HTMLElement;
   style(next: Style): void;
@@ -440,6 +441,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   return {
     panel,
     legend: colors.legend,
+    frames: colors.frames,
     readouts: createReadouts(studio),
     divider,
     style: style.setStyle,

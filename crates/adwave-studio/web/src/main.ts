@@ -270,6 +270,7 @@ export function start(options: StartOptions): void {
     look.divider,
     look.readouts,
     look.legend,
+    look.frames,
     scaleBar(view),
     comparisonPanel(studio),
     studio.beside.labels(),

@@ -117,6 +117,10 @@ export interface FieldName {
   rgb?: boolean;
   /** True for fields with bands of their own, which can be edited. */
   editable?: boolean;
+  /** True for one channel of a field of several, which regions cannot use. */
+  channel?: boolean;
+  /** Series of which the field is a frame, with the seconds between frames. */
+  series?: { name: string; step: number | null } | null;
 }
 
 export interface Shape {

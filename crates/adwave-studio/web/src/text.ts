@@ -277,6 +277,11 @@ export const text = {
   rangeLow: 'Lowest value',
   rangeHigh: 'Highest value',
   noValues: 'No values',
+  seriesOf: (name: string, nFrames: number) => `${name} (${nFrames} frames)`,
+  frameSlider: 'Frame',
+  frameOf: (k: number, all: number, time: string) => `${k} of ${all}${time ? `, ${time}` : ''}`,
+  play: 'Play the frames',
+  pause: 'Pause',
   badRange: 'The lowest value must be below the highest.',
   features: 'Features',
   strongest: 'Strongest',
@@ -324,6 +329,8 @@ export const text = {
     const title = name === 'gifti' ? 'GIFTI' : name.toUpperCase();
     return variant ? `${title} (${variant === 'ascii' ? 'text' : variant})` : title;
   },
+  seriesAdded: (name: string, nFrames: number) =>
+    `Added ${name}, a field of ${nFrames} frames. The slider below the picture chooses one, and its button plays them.`,
   fieldAdded: (name: string, isEditable: boolean) =>
     `Added the field ${name}. It colors the shape, and a layer can act by it: choose Where, By field.${isEditable ? ' Above the sliders you can choose to edit its values.' : ''}`,
   reading: (name: string) => `Reading ${name}…`,

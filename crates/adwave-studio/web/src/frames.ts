@@ -1,0 +1,122 @@
+/** The frames of a field over time: a slider below the picture, and a button that plays them. */
+
+import { h, iconButton } from './dom';
+import { formatNumber } from './lengths';
+import type { FieldName, Shape } from './protocol';
+import { text } from './text';
+
+/** Frames per second while they play, unless the server is slower. */
+const RATE = 12;
+
+/** Frames of the series that a field belongs to, in order; a single one if it belongs to none. */
+export function framesOf(shape: Shape, name: string): FieldName[] {
+  const field = shape.fields.find((f) => f.name === name);
+  const series = field?.series?.name;
+  if (!field || series === undefined) return field ? [field] : [];
+  return shape.fields.filter((f) => f.series?.name === series);
+}
+
+/** Time of a frame after the first in words; empty if the file does not say it. */
+export function timeOf(step: number | null, frame: number): string {
+  if (step === null) return '';
+  const seconds = step * frame;
+  return step >= 0.1 || seconds === 0
+    ? `${formatNumber(seconds, 4)} s`
+    : `${formatNumber(1000 * seconds, 4)} ms`;
+}
+
+export interface FrameBar {
+  element: HTMLElement;
+  /** Shows the frames of a series and which of them the picture shows; hides the bar for fewer than two. */
+  set(frames: readonly FieldName[], at: number): void;
+  stop(): void;
+}
+
+/**
+ * Creates the bar. `show` colors the shape by a frame; it is called with `rest = true` once the picture comes to rest on
+ * it. The next frame waits until the one before is shown.
+ */
+export function frameBar(show: (frame: FieldName, rest: boolean) => Promise<void>): FrameBar {
+  let frames: readonly FieldName[] = [];
+  let at = 0;
+  /** Counter of plays; 0 while none runs, and a loop of an earlier one ends. */
+  let playing = 0;
+  let turn = 0;
+  const label = h('output', {});
+  const input = h('input', { type: 'range', min: '0', max: '0', step: '1', 'aria-label': text.frameSlider });
+  const play = iconButton('play', text.play, () => (playing ? rest() : void run()));
+  const element = h('div', { class: 'frame-bar', hidden: true }, play, input, label);
+
+  /** Frame that is wanted while another one is fetched. */
+  let wanted: { frame: number; rest: boolean } | null = null;
+  let busy = false;
+  async function showLatest(frame: number, isRest: boolean): Promise<void> {
+    wanted = { frame, rest: isRest };
+    if (busy) return;
+    busy = true;
+    while (wanted) {
+      const { frame: k, rest: still }: { frame: number; rest: boolean } = wanted;
+      wanted = null;
+      const field = frames[k];
+      if (field) await show(field, still);
+    }
+    busy = false;
+  }
+
+  function place(frame: number): void {
+    at = frame;
+    input.value = String(frame);
+    const time = timeOf(frames[frame]?.series?.step ?? null, frame);
+    label.textContent = text.frameOf(frame + 1, frames.length, time);
+    input.setAttribute('aria-valuetext', label.textContent);
+  }
+
+  function setPlaying(on: boolean): void {
+    playing = on ? ++turn : 0;
+    play.setAttribute('aria-pressed', String(on));
+    play.setAttribute('aria-label', on ? text.pause : text.play);
+    play.title = on ? text.pause : text.play;
+    play.classList.toggle('playing', on);
+  }
+
+  async function run(): Promise<void> {
+    setPlaying(true);
+    const mine = playing;
+    while (playing === mine && frames.length > 1) {
+      const due = performance.now() + 1000 / RATE;
+      place((at + 1) % frames.length);
+      await showLatest(at, false);
+      await new Promise((resolve) => setTimeout(resolve, Math.max(0, due - performance.now())));
+      // A hidden page plays nothing.
+      if (document.hidden && playing === mine) rest();
+    }
+  }
+
+  /** Stops on the present frame. */
+  function rest(): void {
+    setPlaying(false);
+    void showLatest(at, true);
+  }
+
+  input.addEventListener('input', () => {
+    if (playing) setPlaying(false);
+    place(input.valueAsNumber);
+    void showLatest(at, false);
+  });
+  input.addEventListener('change', () => void showLatest(at, true));
+
+  return {
+    element,
+    set: (next, frame) => {
+      const isSame = next.length === frames.length && next[0]?.name === frames[0]?.name;
+      if (!isSame && playing) setPlaying(false);
+      frames = next;
+      element.hidden = frames.length < 2;
+      input.max = String(Math.max(0, frames.length - 1));
+      if (!element.hidden && !playing) place(Math.max(0, frame));
+    },
+    stop: () => {
+      if (playing) setPlaying(false);
+    },
+  };
+}
