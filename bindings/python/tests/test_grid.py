@@ -475,10 +475,10 @@ def test_pyvista_grids() -> None:
     assert (np.diff(x, axis=2) == 0.5).all()
     cells = pyvista.ImageData(dimensions=(6, 5, 1))
     cells.cell_data["class"] = noise(20)
-    assert aw.grid(cells).shape == (1, 4, 5) and aw.grid(cells).smooth(fwhm=2).cell_data["class"].shape == (20,)
+    assert aw.grid(cells).shape == (4, 5) and aw.grid(cells).smooth(fwhm=2).cell_data["class"].shape == (20,)
     cells.cell_data["other"] = noise(20)
     cells.set_active_scalars(None)
-    with pytest.raises(ValueError, match=r"has 'class', 'other', .*image\.set_active_scalars\('name'\)"):
+    with pytest.raises(ValueError, match=r"'class', 'other', .*image\.set_active_scalars\('class'\)"):
         aw.grid(cells)
 
 

@@ -15,6 +15,7 @@ from adwave import _native
 from adwave._caller import public
 from adwave._deform import CloneOptions, CloneResult, Deformer
 from adwave._diffusion import PreparedShape
+from adwave._grid_objects import is_image
 from adwave._layout import Layout, float_type, region_weights
 from adwave._misfit import refuse_unknown
 from adwave._native import FWHM
@@ -685,9 +686,9 @@ def _at_rows(weights: Any, rows: NDArray[np.intp]) -> Any:
 
 
 def as_domain(given: object) -> object:
-    """Returns the carrier of a signal: a `Walk` as the `Decomposer` of its states, any other object unchanged.
+    """Returns the carrier of a signal: a `Walk` or an image as its `Decomposer`, any other object unchanged.
 
-    Every function that takes a shape takes a walk by this.
+    Every function that takes a shape takes walks and images by this.
 
     Examples
     --------
@@ -697,6 +698,10 @@ def as_domain(given: object) -> object:
     """
     # By a method, so that the module of walks may import this one.
     own = getattr(type(given), "_as_domain", None)
+    if own is None and is_image(given):
+        import adwave  # the package loads the module of `Grid`, which is above this one
+
+        return adwave.Grid(given).prepare()
     return given if own is None else own(given)
 
 

@@ -123,7 +123,9 @@ def denoise(shape: object, signal: NDArray[Float], **options: Unpack[DenoiseCall
 @overload
 def denoise(shape: object, signal: Numbers, **options: Unpack[DenoiseCall]) -> DenoiseResult[NDArray[np.float64]]: ...
 @overload
-def denoise(shape: adwave.Grid[_Kind], signal: None = None, **options: Unpack[DenoiseCall]) -> DenoiseResult[_Kind]: ...
+def denoise(
+    shape: adwave.Grid[_Kind], signal: str | None = None, **options: Unpack[DenoiseCall]
+) -> DenoiseResult[_Kind]: ...
 @overload
 def denoise(
     shape: Path | Decomposer | Walk, signal: str | None = None, **options: Unpack[DenoiseCall]
@@ -207,7 +209,7 @@ def denoise(
     True
     """
     time = options.pop("time", None)
-    own = grid_method("denoise", shape, options)
+    own = grid_method("denoise", shape, options, signal)
     if own is not None:
         given: dict[str, Any] = {} if operator is None else {"operator": operator}
         given.update({} if creases == "auto" else {"creases": creases})

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._caller import public, warn
+from adwave._caller import Call, public, warn
+from adwave._grid_objects import is_image
 from adwave._layout import Layout, coordinates, float_type, region_weights, signal_values, without_unknown
 from adwave._methods import Carrier
-from adwave._misfit import line_with
+from adwave._misfit import line_with, working_line, wrap_grid
 from adwave._options import (
     BandsRequest,
     Length,
@@ -41,6 +42,12 @@ EXTENT = _native.EXTENT
 _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 
 
+def _prepare_grid(call: Call) -> None:
+    """The call of a constructor on an image as that of a grid."""
+    wrap_grid(call)
+    call.function, call.arguments, call.keywords = f"{call.arguments[0]}.prepare", [], {}
+
+
 class PreparedShape(Carrier):
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
@@ -50,6 +57,9 @@ class PreparedShape(Carrier):
 
     @public()
     def __init__(self, shape: object, *, operator: OperatorLike = None, progress: ProgressLike = None) -> None:
+        if is_image(shape):
+            line = working_line("Decomposer", _prepare_grid, "aw.grid(image).prepare()")
+            raise TypeError(f"shape: an image is a grid{line}")
         self.shape = as_shape(shape)
         self._options: Operator = as_operator(operator)
         with report_progress(progress, "preparing") as report:

@@ -166,7 +166,7 @@ def decompose(
     >>> heights.shape
     (3, 2024)
     """
-    own = grid_method("decompose", shape, options)
+    own = grid_method("decompose", shape, options, signal)
     if own is not None:
         given = {} if time is None else {"time": time}
         return own(signal, levels=levels, accuracy=accuracy, progress=progress, **given, **options)
@@ -191,7 +191,7 @@ def smooth(
 ) -> NDArray[np.float64]: ...
 @overload
 def smooth(
-    shape: adwave.Grid[_Kind], signal: None = None, steps: float | None = None, **options: Unpack[SmoothCall]
+    shape: adwave.Grid[_Kind], signal: str | None = None, steps: float | None = None, **options: Unpack[SmoothCall]
 ) -> _Kind: ...
 @overload
 def smooth(
@@ -278,7 +278,7 @@ def smooth(
         raise TypeError(
             misfit(smooth, (shape, signal, steps), {}, "smooth takes a number of steps third, got an array")
         )
-    own = grid_method("smooth", shape, options)
+    own = grid_method("smooth", shape, options, signal)
     if own is not None:
         given = {"fwhm": fwhm, "rms": rms, "operator": operator, "time": time}
         given = {name: value for name, value in given.items() if value is not None}
@@ -356,6 +356,8 @@ def filter(
 def filter(shape: object, signal: Numbers, gains: GainsLike, **options: Unpack[FilterCall]) -> NDArray[np.float64]: ...
 @overload
 def filter(shape: adwave.Grid[_Kind], gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+@overload
+def filter(shape: adwave.Grid[_Kind], signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]) -> _Kind: ...
 @overload
 def filter(shape: Path | Decomposer | Walk, gains: GainsLike, /, **options: Unpack[FilterCall]) -> Shape: ...
 @overload
@@ -445,7 +447,7 @@ def filter(
     >>> heights = aw.filter(noisy, noisy.points[:, 2], [0, 1, 1])
     """
     time = options.pop("time", None)
-    own = grid_method("filter", shape, options)
+    own = grid_method("filter", shape, options, None if gains is None else signal)
     if own is not None:
         given = {"local_fit": local_fit, "operator": operator, "constraints": constraints, "time": time}
         given = {name: value for name, value in given.items() if value is not None}

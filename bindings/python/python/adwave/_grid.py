@@ -26,6 +26,7 @@ from adwave._grid_checks import (
 from adwave._grid_domain import GridDecomposer, Values
 from adwave._grid_layout import GridLayout, grid_axes, plain_array
 from adwave._grid_objects import find_grid, results_like
+from adwave._image_data import scalars_of
 from adwave._layout import Layout, float_type
 from adwave._measures import FeatureOptions, Features, Saliency, SaliencyOptions, Weighting, features, saliency
 from adwave._methods import Members
@@ -48,7 +49,17 @@ def _gains_after_signal(arguments: tuple[Any, ...], options: dict[str, Any]) -> 
     if len(arguments) == 3 and isinstance(arguments[1], (str, list, tuple, Layer)) and np.ndim(arguments[2]) > 1:
         warn("grid.filter(gains, f) is now grid.filter(f, gains), and will go in the next release", DeprecationWarning)
         return (arguments[0], arguments[2], arguments[1]), options
-    return _gains_last(arguments, options)
+    return _by_name(*_gains_last(arguments, options))
+
+
+def _by_name(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """Arguments of a method of `Grid` without a signal, for the grid of the array that the signal names."""
+    grid, *rest = arguments
+    if rest and isinstance(rest[0], str):
+        return (grid._with_array(rest[0]), None, *rest[1:]), options
+    if isinstance(options.get("signal"), str):
+        return (grid._with_array(options["signal"]), *rest), {**options, "signal": None}
+    return arguments, options
 
 
 class Grid(Members, Generic[_Own]):
@@ -163,7 +174,7 @@ class Grid(Members, Generic[_Own]):
     @overload
     def decompose(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
@@ -176,7 +187,7 @@ class Grid(Members, Generic[_Own]):
     @overload
     def decompose(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
@@ -186,10 +197,10 @@ class Grid(Members, Generic[_Own]):
         **options: Unpack[LevelOptions],
     ) -> Values: ...
 
-    @public()
+    @public(_by_name)
     def decompose(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
@@ -202,8 +213,9 @@ class Grid(Members, Generic[_Own]):
 
         Parameters
         ----------
-        signal : array_like, optional
-            Values of the shape of the grid, with further axes for channels; the grid's own by default.
+        signal : str or array_like, optional
+            Values of the shape of the grid, with further axes for channels, or the name of an array of an `ImageData`; the
+            grid's own by default.
         levels : int, Widths, Steps or Octaves, optional
             By default dyadic levels until one is 2 % of the diagonal wide.
         sigma : sequence of float, optional
@@ -240,7 +252,7 @@ class Grid(Members, Generic[_Own]):
     @overload
     def smooth(
         self,
-        signal: None = None,
+        signal: str | None = None,
         steps: float | None = None,
         *,
         fwhm: Length | None = None,
@@ -265,10 +277,10 @@ class Grid(Members, Generic[_Own]):
         progress: ProgressLike = None,
     ) -> Values: ...
 
-    @public()
+    @public(_by_name)
     def smooth(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         steps: float | None = None,
         *,
         fwhm: Length | None = None,
@@ -282,8 +294,9 @@ class Grid(Members, Generic[_Own]):
 
         Parameters
         ----------
-        signal : array_like, optional
-            Values of the shape of the grid, with further axes for channels; the grid's own by default.
+        signal : str or array_like, optional
+            Values of the shape of the grid, with further axes for channels, or the name of an array of an `ImageData`; the
+            grid's own by default.
         steps : float, optional
             Number of steps, each of the variance h²/2 along each axis, where h is the smallest spacing.
         fwhm : float or str, optional
@@ -342,7 +355,7 @@ class Grid(Members, Generic[_Own]):
     def filter(self, gains: GainsLike, /, **options: Unpack[GridFilterCall]) -> _Own: ...
 
     @overload
-    def filter(self, signal: None, gains: GainsLike, **options: Unpack[GridFilterCall]) -> _Own: ...
+    def filter(self, signal: str | None, gains: GainsLike, **options: Unpack[GridFilterCall]) -> _Own: ...
 
     @overload
     def filter(self, signal: NDArray[Float], gains: GainsLike, **options: Unpack[GridFilterCall]) -> NDArray[Float]: ...
@@ -412,10 +425,10 @@ class Grid(Members, Generic[_Own]):
         )
         return self._result(self._in_time(time, found, self._signal(signal), progress), signal)
 
-    @public()
+    @public(_by_name)
     def denoise(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         strength: float = 1.0,
         noise: float
@@ -468,10 +481,10 @@ class Grid(Members, Generic[_Own]):
         )
         return DenoiseResult(self._result(found.result, signal), found.info)
 
-    @public()
+    @public(_by_name)
     def saliency(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         weighting: Weighting = "signed",
         options: SaliencyOptions | None = None,
@@ -516,10 +529,10 @@ class Grid(Members, Generic[_Own]):
             progress=progress,
         )
 
-    @public()
+    @public(_by_name)
     def features(
         self,
-        signal: ArrayLike | None = None,
+        signal: str | ArrayLike | None = None,
         *,
         theta: float | None = None,
         best: int | None = None,
@@ -598,6 +611,20 @@ class Grid(Members, Generic[_Own]):
         9
         """
         return self.prepare().region(region)
+
+    def _with_array(self, name: str) -> Grid[Any]:
+        """This grid with another array of its image.
+
+        Raises
+        ------
+        ValueError
+            If the image has none of this name, or the object has no names.
+        """
+        if self._found.library != "pyvista":
+            raise ValueError(f"signal: a grid has no named signals, got {name!r}; give an array of shape {self.shape}")
+        found = scalars_of(self._given, name)
+        spacing = self.spacing if found.sizes == self.shape else None
+        return Grid(found, spacing, self.mask, self.periodic, keep_dtype=self.keep_dtype)
 
     def _signal(self, signal: Any) -> Any:
         """A signal of a method: the grid's own values by default."""
@@ -722,8 +749,9 @@ def grid(
     ----------
     array : array_like or image
         Values, of 1 to 3 axes and further ones for channels: an array, an `xarray.DataArray` (spacing by its coordinates),
-        an image of nibabel or SimpleITK, a `pyvista.ImageData` (its active scalars), or an open dataset of rasterio. NaN and
-        masked entries are places without a value: values go around them, and they stay NaN.
+        an image of nibabel or SimpleITK, a `pyvista.ImageData` or `vtkImageData` (its active scalars, at the points or in
+        the cells; its axes are z, y, x, the order of `point_data`, without those of one place), or an open dataset of
+        rasterio. NaN and masked entries are places without a value: values go around them, and they stay NaN.
     spacing : float or sequence of float, optional
         Distance between places, one for all axes or one for each axis of the grid; by default that of the object, or 1.
     mask : array_like or image, optional

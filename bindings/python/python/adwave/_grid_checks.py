@@ -59,6 +59,8 @@ def find_kept_places(mask: Any, array: FoundGrid, layout: GridLayout) -> NDArray
     found = find_grid(mask, tuple(range(np.ndim(mask))) if hasattr(mask, "dims") else None)
     check_same_places(array, found)
     given = plain_array(found.values, "mask")
+    if array.library == "pyvista" and given.shape == (layout.n_vertices,):
+        given = given.reshape(layout.sizes)
     if given.shape != layout.sizes:
         hint = ", or aw.grid(array, mask=mask.T)" if given.shape == layout.sizes[::-1] else ""
         raise ValueError(

@@ -76,9 +76,7 @@ class GridDecomposer(Decomposer):
 
     def _signal_values(self, signal: SignalLike) -> tuple[Values | None, Layout]:
         if isinstance(signal, str):
-            raise ValueError(
-                f"signal: a grid has no named signals, got {signal!r}; give an array of shape {self._sizes}"
-            )
+            signal = self._grid._with_array(signal)._values
         array = self._grid._values if signal is None else plain_array(signal, "signal")
         layout = self._grid.layout_of(array.shape)
         if layout.n_channels == 0:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from adwave import _image_data
 from adwave._caller import warn
 from adwave._grid_layout import MAX_AXES, MAX_COLORS
 
@@ -78,19 +79,26 @@ def library_of_grid(given: object) -> str | None:
     """Library of an image or a volume; None for arrays and other objects."""
     if isinstance(given, np.ndarray):
         return None
+    if isinstance(given, _image_data.Scalars):
+        return "pyvista"
     for cls in type(given).__mro__:
         root = cls.__module__.partition(".")[0]
         if root == "xarray" and cls.__name__ == "DataArray":
             return "xarray"
         if root == "SimpleITK" and cls.__name__ == "Image":
             return "SimpleITK"
-        if root in ("pyvista", "vtkmodules", "vtk") and cls.__name__ in ("ImageData", "vtkImageData"):
-            return "pyvista" if root == "pyvista" else "vtk"
+        if root in ("pyvista", "vtkmodules", "vtk") and cls.__name__ in _image_data.CLASS_NAMES:
+            return "pyvista"
         if root == "rasterio" and hasattr(given, "transform"):
             return "rasterio"
     if all(hasattr(given, name) for name in ("dataobj", "affine", "header")):
         return "nibabel"
     return None
+
+
+def is_image(given: object) -> bool:
+    """True for an image or a volume of a library that has no other shapes of its kind."""
+    return library_of_grid(given) in ("nibabel", "SimpleITK", "rasterio", "pyvista")
 
 
 def _refuse_others(given: object) -> None:
@@ -170,20 +178,24 @@ def _read_nibabel(given: Any, _: Any) -> FoundGrid:
         zooms: list[float] = [float(zoom) for zoom in given.header.get_zooms()[:n]]
         return FoundGrid(values, tuple(range(n)), [*zooms, *[None] * (values.ndim - n)])
     affine = np.asarray(affine, dtype=np.float64)
-    columns = affine[:3, :3]
+    lengths = _lengths_of(affine[:3, :n], "np.asarray(image.dataobj)")
+    return FoundGrid(values, tuple(range(n)), [*lengths, *[None] * (values.ndim - n)], affine=affine)
+
+
+def _lengths_of(columns: NDArray[np.float64], array: str) -> list[float]:
+    """Lengths of the steps along the axes of an image, with a warning if they are not at right angles."""
     lengths = np.sqrt((columns**2).sum(axis=0))
     if not (lengths > 0).all():
         raise ValueError(
-            "array: the affine of the image has an axis without length; give lengths, "
-            "aw.grid(np.asarray(image.dataobj), spacing=(1.0, 1.0, 1.0))"
+            f"array: an axis of the image has no length; give lengths, aw.grid({array}, spacing=(1.0, 1.0, 1.0))"
         )
-    cosines = np.abs((columns / lengths).T @ (columns / lengths) - np.eye(3)).max()
+    cosines = np.abs((columns / lengths).T @ (columns / lengths) - np.eye(len(lengths))).max()
     if cosines > SHEARED:
         warn(
-            f"array: the affine of the image is sheared (cosine {cosines:.3g} between two axes); lengths are taken along the "
-            "columns of the affine: resample the image for exact ones"
+            f"array: the axes of the image are sheared (cosine {cosines:.3g} between two of them); lengths are taken along "
+            "the axes: resample the image for exact ones"
         )
-    return FoundGrid(values, tuple(range(n)), [*map(float, lengths[:n]), *[None] * (values.ndim - n)], affine=affine)
+    return [float(length) for length in lengths]
 
 
 def _read_simpleitk(given: Any, _: Any) -> FoundGrid:
@@ -199,33 +211,11 @@ def _read_simpleitk(given: Any, _: Any) -> FoundGrid:
     return FoundGrid(values, tuple(range(n)), [*spacing, *[None] * (values.ndim - n)])
 
 
-def _image_data_values(given: Any) -> tuple[Any, str, bool]:
-    """The active scalars of an ImageData, their name, and whether they are at its points."""
-    name, points, cells = given.active_scalars_name, given.point_data, given.cell_data
-    if name is None or (name not in points and name not in cells):
-        every = [*points.keys(), *cells.keys()]
-        if len(every) != 1:
-            found = f"has {', '.join(map(repr, every))}" if every else "has none"
-            raise ValueError(
-                f"array: the ImageData {found}, and its active scalars are what is read; choose them, "
-                "image.set_active_scalars('name')"
-            )
-        name = every[0]
-    return (points[name], name, True) if name in points else (cells[name], name, False)
-
-
 def _read_pyvista(given: Any, _: Any) -> FoundGrid:
-    values, _, is_point = _image_data_values(given)
-    # Its first axis is the fastest one, that of arrays the last.
-    sizes = [int(n) if is_point else max(int(n) - 1, 1) for n in given.dimensions][::-1]
-    array = np.asarray(values)
-    array = array.reshape(*sizes, *array.shape[1:])
-    spacing: list[float | None] = [float(h) for h in reversed(given.spacing)]
-    return FoundGrid(array, (0, 1, 2), [*spacing, *[None] * (array.ndim - MAX_AXES)])
-
-
-def _read_vtk(given: Any, axes: Any) -> FoundGrid:
-    return _read_pyvista(import_module("pyvista").wrap(given), axes)
+    scalars = _image_data.scalars_of(given)
+    array, n = scalars.values, len(scalars.sizes)
+    lengths = _lengths_of(scalars.columns, f"array.reshape({scalars.sizes})")
+    return FoundGrid(array, tuple(range(n)), [*lengths, *[None] * (array.ndim - n)], affine=scalars.affine)
 
 
 def _read_rasterio(given: Any, _: Any) -> FoundGrid:
@@ -248,7 +238,6 @@ _READERS: dict[str, Callable[[Any, Any], FoundGrid]] = {
     "nibabel": _read_nibabel,
     "SimpleITK": _read_simpleitk,
     "pyvista": _read_pyvista,
-    "vtk": _read_vtk,
     "rasterio": _read_rasterio,
 }
 
@@ -278,16 +267,7 @@ def _to_simpleitk(given: Any, values: NDArray[Any]) -> Any:
 
 
 def _to_pyvista(given: Any, values: NDArray[Any]) -> Any:
-    _, name, is_point = _image_data_values(given)
-    copy = given.copy()
-    rows = np.ascontiguousarray(values.reshape(-1, *values.shape[MAX_AXES:]))
-    (copy.point_data if is_point else copy.cell_data)[name] = rows
-    copy.set_active_scalars(name)
-    return copy
-
-
-def _to_vtk(given: Any, values: NDArray[Any]) -> Any:
-    return _to_pyvista(import_module("pyvista").wrap(given), values)
+    return _image_data.scalars_of(given).image_with(values)
 
 
 _WRITERS: dict[str | None, Callable[[Any, NDArray[Any]], Any]] = {
@@ -295,7 +275,6 @@ _WRITERS: dict[str | None, Callable[[Any, NDArray[Any]], Any]] = {
     "nibabel": _to_nibabel,
     "SimpleITK": _to_simpleitk,
     "pyvista": _to_pyvista,
-    "vtk": _to_vtk,
 }
 
 
@@ -307,10 +286,10 @@ def check_same_places(array: FoundGrid, mask: FoundGrid) -> None:
     ValueError
         If both have an affine, and these differ.
     """
-    if array.affine is None or mask.affine is None:
+    if array.affine is None or mask.affine is None or array.library != mask.library:
         return
     if not np.allclose(array.affine, mask.affine, rtol=1e-4, atol=1e-3):
-        raise ValueError(
-            "mask: its affine differs from that of the image; resample it, nilearn.image.resample_to_img(mask, image, "
-            "interpolation='nearest')"
-        )
+        other = "mask.resample(reference_image=image, interpolation='nearest')"
+        if array.library != "pyvista":
+            other = "nilearn.image.resample_to_img(mask, image, interpolation='nearest')"
+        raise ValueError(f"mask: its affine differs from that of the image; resample it, {other}")

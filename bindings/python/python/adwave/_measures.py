@@ -178,7 +178,7 @@ def saliency(
     >>> found.map.shape, found.sides.split(",")[0]
     ((2024,), '+ convex')
     """
-    own = grid_method("saliency", shape, selection)
+    own = grid_method("saliency", shape, selection, signal)
     if own is not None:
         given: dict[str, Any] = {} if operator is None else {"operator": operator}
         return own(
@@ -362,7 +362,7 @@ def features(
     >>> len(found), found["position"].shape
     (2, (2, 3))
     """
-    own = grid_method("features", shape, selection)
+    own = grid_method("features", shape, selection, signal)
     if own is not None:
         given: dict[str, Any] = {} if operator is None else {"operator": operator}
         return own(

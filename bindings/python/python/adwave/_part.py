@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt
 from adwave._caller import Call
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
-from adwave._grid_objects import library_of_grid
+from adwave._grid_objects import is_image, library_of_grid
+from adwave._image_data import scalars_of
 from adwave._layout import Layout, region_weights, signal_values
 from adwave._misfit import (
     SURPLUS,
@@ -355,11 +356,11 @@ def default_signal(part: Part, signal: SignalLike) -> SignalLike:
     return own
 
 
-def grid_method(function: str, shape: Any, options: Any) -> Callable[..., Any] | None:
+def grid_method(function: str, shape: Any, options: Any, signal: Any = None) -> Callable[..., Any] | None:
     """Method of an image or a volume, which knows the axes of its signals; None for all other shapes.
 
-    Images of nibabel, SimpleITK, rasterio and xarray are grids, and so is an array of three long axes. A mask belongs to
-    the grid, and is taken out of the options.
+    Images of nibabel, SimpleITK, PyVista, rasterio and xarray are grids, and so is an array of three long axes. A mask
+    belongs to the grid, and is taken out of the options. The signal says which array of an `ImageData` is meant.
     """
     kind = type(shape)
     if kind.__name__ == "Grid" and kind.__module__.startswith("adwave."):
@@ -367,10 +368,8 @@ def grid_method(function: str, shape: Any, options: Any) -> Callable[..., Any] |
         refuse_unknown(function, options, [*places[1:], *names], ())
         return getattr(shape, function)
     library = library_of_grid(shape)
-    is_image = library in ("nibabel", "SimpleITK", "rasterio") or (
-        library == "xarray" and not (np.ndim(shape) == 2 and np.shape(shape)[1] in (2, 3))
-    )
-    if not is_image and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > _MAX_CORNERS):
+    is_points = np.ndim(shape) == 2 and np.shape(shape)[1] in (2, 3) if library == "xarray" else not is_image(shape)
+    if is_points and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > _MAX_CORNERS):
         return None
     import adwave  # the package loads the module of `Grid`, which is above this one
 
@@ -378,6 +377,8 @@ def grid_method(function: str, shape: Any, options: Any) -> Callable[..., Any] |
     mask = options.pop("mask", None)
     places, names = known_options(getattr(Grid, function))
     refuse_unknown(function, options, [*places[1:], *names], ())
+    if library == "pyvista":
+        shape = scalars_of(shape, signal)
     return getattr(Grid(shape, mask=mask), function)
 
 

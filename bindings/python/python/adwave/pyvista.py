@@ -16,12 +16,15 @@ True
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
 
 import adwave
+from adwave._grid_objects import is_image
+from adwave._image_data import scalars_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,12 +38,13 @@ __all__ = ["Wavelets"]
 @pv.register_dataset_accessor("adwave", pv.StructuredGrid)
 @pv.register_dataset_accessor("adwave", pv.RectilinearGrid)
 class Wavelets:
-    """Functions of adwave on a surface, a point cloud, or the points of a volume.
+    """Functions of adwave on a surface, a point cloud, an image, or the points of a volume.
 
     Parameters
     ----------
     mesh : pyvista.PolyData, pyvista.UnstructuredGrid or a grid
-        Polygons or points; the points of volumes and images are the nodes of a graph.
+        Polygons or points; an ImageData is a grid (see `adwave.grid`), and the points of other volumes are the nodes of a
+        graph.
 
     Examples
     --------
@@ -77,9 +81,18 @@ class Wavelets:
         bands = adwave.decompose(self._mesh, signal, **options)
         new = self._mesh.copy()
         for level in range(1, bands.n_levels + 1):
-            new.point_data[f"W{level}"] = bands.wavelet(level)
-        new.point_data["S"] = bands.scaling(bands.n_levels)
+            self._store(new, f"W{level}", bands.wavelet(level), signal)
+        self._store(new, "S", bands.scaling(bands.n_levels), signal)
         return new
+
+    def _store(self, new: Any, name: str, values: Any, signal: Any) -> None:
+        """Values as an array of a dataset, at its points or, of an image, where its signal is."""
+        if not is_image(self._mesh):
+            new.point_data[name] = values
+            return
+        scalars = scalars_of(self._mesh, signal)
+        rows = values if np.shape(values)[:1] == (math.prod(scalars.sizes),) else scalars.rows(values)
+        (new.point_data if scalars.at_points else new.cell_data)[name] = rows
 
     def smooth(self, signal: Any = None, **options: Any) -> Any:
         """The mesh, or a signal on it, smoothed by one width or number of steps; see `adwave.smooth`.
@@ -128,8 +141,8 @@ class Wavelets:
             Arguments of `adwave.saliency`.
         """
         new = self._mesh.copy()
-        new.point_data["saliency"] = np.asarray(adwave.saliency(self._mesh, signal, **options))
-        new.set_active_scalars("saliency", preference="point")
+        self._store(new, "saliency", np.asarray(adwave.saliency(self._mesh, signal, **options)), signal)
+        new.set_active_scalars("saliency")
         return new
 
     def features(self, signal: Any = None, **options: Any) -> Any:
@@ -143,7 +156,10 @@ class Wavelets:
             Arguments of `adwave.features`: ``theta``, ``best``, …
         """
         found = adwave.features(self._mesh, signal, **options)
-        places = pv.PolyData(np.reshape(found["position"], (-1, 3)).astype(float))
+        positions = np.reshape(found["position"], (-1, 3)).astype(float)
+        if is_image(self._mesh):
+            positions = scalars_of(self._mesh, signal).positions(found["vertex"])
+        places = pv.PolyData(positions)
         for name in ("level", "sigma", "strength", "sign", "vertex"):
             places.point_data[name] = np.array(found[name])
         return places
@@ -180,7 +196,7 @@ class Wavelets:
         **options
             Arguments of `adwave.region`.
         """
-        return adwave.region(self._mesh, region, **options)
+        return adwave.region(self._mesh, region, **options).reshape(-1)
 
     def info(self, **options: Any) -> adwave.Info:
         """Facts about the mesh; see `adwave.info`.
