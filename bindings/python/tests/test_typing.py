@@ -1,8 +1,9 @@
-"""A type checker in its strict mode accepts right calls and complains of every wrong one."""
+"""Type checkers in their strict mode accept right calls, and complain of every wrong one."""
 
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -36,3 +37,13 @@ def test_right_calls_pass_and_wrong_ones_do_not(tmp_path: Path) -> None:
     lines = (FILES / "wrong.txt").read_text(encoding="utf-8").splitlines()
     wrong = {number for number, line in enumerate(lines, start=1) if line.endswith("# wrong")}
     assert len(wrong) > 15 and complaints("wrong", tmp_path) == wrong
+
+
+@pytest.mark.skipif(find_spec("mypy") is None, reason="mypy is not installed")
+def test_right_calls_pass_mypy_too(tmp_path: Path) -> None:
+    file = tmp_path / "gallery.py"
+    file.write_text((FILES / "gallery.txt").read_text(encoding="utf-8"), encoding="utf-8")
+    words = [sys.executable, "-m", "mypy", "--strict", "--follow-imports", "silent", "--python-version", "3.10"]
+    settings = {**os.environ, "MYPYPATH": str(Path(adwave.__file__).parent.parent)}
+    found = subprocess.run([*words, file.name], cwd=tmp_path, env=settings, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stdout + found.stderr

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from typing import TYPE_CHECKING, Any, Union, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, Union, overload
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -29,7 +29,17 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
     from xarray import DataArray
 
-    from adwave._options import LevelOptions
+    from adwave._band_types import Number, Operators
+    from adwave._options import Float, LevelOptions, Numbers
+else:
+    Number = TypeVar("Number")
+
+    class Operators(NDArrayOperatorsMixin, Generic[Number]):
+        """Operators of arrays, whose types are in `adwave._band_types`."""
+
+
+#: Number type of a copy.
+_Other = TypeVar("_Other", bound=np.generic)
 
 Where = Union[str, ArrayLike, None]
 
@@ -101,8 +111,39 @@ class Decomposer(PreparedShape):
 
     __slots__ = ()
 
+    @overload  # type: ignore[override]
+    def decompose(
+        self,
+        signal: NDArray[Float],
+        *,
+        levels: LevelsLike = None,
+        accuracy: float = ...,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands[Float]: ...
+    @overload
+    def decompose(
+        self,
+        signal: Numbers | str | None = None,
+        *,
+        levels: LevelsLike = None,
+        accuracy: float = ...,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands: ...
+    @overload
+    def decompose(
+        self,
+        signal: SignalLike = None,
+        *,
+        levels: LevelsLike = None,
+        accuracy: float = ...,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands[Any]: ...
+
     @public()
-    def decompose(  # type: ignore[override]
+    def decompose(
         self,
         signal: SignalLike = None,
         *,
@@ -110,7 +151,7 @@ class Decomposer(PreparedShape):
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
-    ) -> Bands:
+    ) -> Bands[Any]:
         """Split a signal into its bands; see `adwave.decompose`.
 
         Parameters
@@ -180,7 +221,7 @@ def split_signal(
     selection: Selection | None = None,
     progress: ProgressLike = None,
     dtype: np.dtype[Any] = _DOUBLE,
-) -> Bands:
+) -> Bands[Any]:
     """The bands of a signal, channels that are NaN at the same vertices together, as numbers of a type."""
     info: dict[str, float] = {}
     with report_progress(progress, "splitting") as report:
@@ -202,12 +243,13 @@ def split_signal(
 _OF_ARRAYS = frozenset(name for name in dir(np.ndarray) if not name.startswith("_"))
 
 
-class Bands(NDArrayOperatorsMixin):
+class Bands(Operators[Number]):
     """The bands of a signal, ``W_f(1), …, W_f(J)`` from fine to coarse, and the rest, ``S_f(J)``.
 
     It behaves as an array of (J + 1) × n × channels, that is (J + 1) × the shape of the signal: it has the attributes and
     operators of `numpy.ndarray`, numpy's functions take it, and its sum over the first axis is the signal. Results are plain
-    arrays. `adwave.decompose` computes it.
+    arrays. `adwave.decompose` computes it. Type checkers know its number type: ``Bands`` is ``Bands[np.float64]``, and the bands
+    of an array of float32 are ``Bands[np.float32]``.
 
     Notes
     -----
@@ -252,7 +294,7 @@ class Bands(NDArrayOperatorsMixin):
         info: dict[str, float],
         selection: Selection | None,
         dtype: np.dtype[Any] = _DOUBLE,
-    ) -> Bands:
+    ) -> Bands[Any]:
         bands = cls.__new__(cls)
         bands._dtype, bands._shown = dtype, None
         # A copy, since the caller may change the array later.
@@ -272,7 +314,7 @@ class Bands(NDArrayOperatorsMixin):
         return bands
 
     @property
-    def array(self) -> NDArray[np.float64]:
+    def array(self) -> NDArray[Number]:
         """All bands as one read-only array: (J + 1) × the shape of the signal."""
         if self._shown is None:
             self._shown = self._layout.arrange(self._array.astype(self._dtype, copy=False))
@@ -285,7 +327,7 @@ class Bands(NDArrayOperatorsMixin):
         return (len(self._array), *self._layout.shape)
 
     @property
-    def dtype(self) -> np.dtype[np.float64]:
+    def dtype(self) -> np.dtype[Number]:
         """Type of the numbers: that of a signal of 16 or 32 bits, and float64 otherwise."""
         return self._dtype
 
@@ -300,45 +342,32 @@ class Bands(NDArrayOperatorsMixin):
         return self._array.size
 
     @property
-    def T(self) -> NDArray[np.float64]:
+    def T(self) -> NDArray[Number]:
         """`array` with its axes in the reverse order, as a view."""
         return self.array.T
 
-    if TYPE_CHECKING:
-        # The operations of numpy's mixin, with its types.
-        def __add__(self, other: object) -> NDArray[np.float64]: ...
-        def __radd__(self, other: object) -> NDArray[np.float64]: ...
-        def __sub__(self, other: object) -> NDArray[np.float64]: ...
-        def __rsub__(self, other: object) -> NDArray[np.float64]: ...
-        def __mul__(self, other: object) -> NDArray[np.float64]: ...
-        def __rmul__(self, other: object) -> NDArray[np.float64]: ...
-        def __truediv__(self, other: object) -> NDArray[np.float64]: ...
-        def __rtruediv__(self, other: object) -> NDArray[np.float64]: ...
-        def __pow__(self, other: object) -> NDArray[np.float64]: ...
-        def __neg__(self) -> NDArray[np.float64]: ...
-        def __abs__(self) -> NDArray[np.float64]: ...
-        def __gt__(self, other: object) -> NDArray[np.bool_]: ...
-        def __ge__(self, other: object) -> NDArray[np.bool_]: ...
-        def __lt__(self, other: object) -> NDArray[np.bool_]: ...
-        def __le__(self, other: object) -> NDArray[np.bool_]: ...
-
     @overload
-    def mean(self, axis: None = None) -> np.float64: ...
+    def mean(self, axis: None = None) -> Number: ...
     @overload
-    def mean(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[np.float64]: ...
+    def mean(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[Number]: ...
 
-    def mean(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> np.float64 | NDArray[np.float64]:
+    def mean(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Number | NDArray[Number]:
         """Mean over an axis, as `numpy.mean`."""
         return self.array.mean(axis, **options)
 
     @overload
-    def sum(self, axis: None = None) -> np.float64: ...
+    def sum(self, axis: None = None) -> Number: ...
     @overload
-    def sum(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[np.float64]: ...
+    def sum(self, axis: int | tuple[int, ...], **options: Any) -> NDArray[Number]: ...
 
-    def sum(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> np.float64 | NDArray[np.float64]:
+    def sum(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Number | NDArray[Number]:
         """Sum over an axis, as `numpy.sum`; over axis 0 it is the signal."""
         return self.array.sum(axis, **options)
+
+    @overload
+    def astype(self, dtype: type[_Other], **options: Any) -> NDArray[_Other]: ...
+    @overload
+    def astype(self, dtype: DTypeLike, **options: Any) -> NDArray[Any]: ...
 
     def astype(self, dtype: DTypeLike, **options: Any) -> NDArray[Any]:
         """A copy of `array` in another number type."""
@@ -383,11 +412,11 @@ class Bands(NDArrayOperatorsMixin):
         """Full widths at half maximum of the levels, (J,): 1.665 times `rms_widths`."""
         return FWHM * self.rms_widths
 
-    def wavelet(self, level: int) -> NDArray[np.float64]:
+    def wavelet(self, level: int) -> NDArray[Number]:
         """``W_f(level)`` for level = 1 … J: the detail that this level removes from the one before, (n,) or (n, channels)."""
         return self.array[self._check_level(level, 1) - 1]
 
-    def scaling(self, level: int) -> NDArray[np.float64]:
+    def scaling(self, level: int) -> NDArray[Number]:
         """``S_f(level)`` for level = 0 … J: the signal without the finest `level` bands, (n,) or (n, channels)."""
         return self.array[self._check_level(level, 0) :].sum(axis=0)
 
@@ -396,7 +425,7 @@ class Bands(NDArrayOperatorsMixin):
             raise IndexError(f"level must be in {least}..={self.n_levels}, got {level}")
         return level
 
-    def reconstruct(self) -> NDArray[np.float64]:
+    def reconstruct(self) -> NDArray[Number]:
         """The signal, as the sum of all bands (eq. 15)."""
         return self.array.sum(axis=0)
 
@@ -539,9 +568,14 @@ class Bands(NDArrayOperatorsMixin):
         variance = float(parts.sum())
         return parts / variance if variance > 0.0 else np.zeros_like(parts)
 
+    @overload
+    def apply(self, gains: GainsLike, where: Where = None, *, out: None = None) -> NDArray[Number]: ...
+    @overload
+    def apply(self, gains: GainsLike, where: Where = None, *, out: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
     def apply(
         self, gains: GainsLike, where: Where = None, *, out: NDArray[np.float64] | None = None
-    ) -> NDArray[np.float64]:
+    ) -> NDArray[Number] | NDArray[np.float64]:
         """Change the bands and sum them: ``f + Σ_j (Γ(j,x) − 1)·W_f(j,x)`` (eq. 18).
 
         Parameters
@@ -653,13 +687,13 @@ class Bands(NDArrayOperatorsMixin):
     def __len__(self) -> int:
         return len(self._array)
 
-    def __getitem__(self, index: Any) -> NDArray[np.float64]:
+    def __getitem__(self, index: Any) -> NDArray[Number]:
         return self.array[index]
 
-    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+    def __iter__(self) -> Iterator[NDArray[Number]]:
         return iter(self.array)
 
-    def __matmul__(self, other: Any) -> NDArray[np.float64]:
+    def __matmul__(self, other: Any) -> NDArray[Any]:
         return self.array @ np.asarray(other)
 
     def __repr__(self) -> str:

@@ -67,7 +67,43 @@ _Faces = TypeVar("_Faces")
 @overload
 def decompose(
     shape: object,
-    signal: SignalLike = None,
+    signal: NDArray[Float],
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: None = None,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> Bands[Float]: ...
+@overload
+def decompose(
+    shape: object,
+    signal: Numbers,
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: None = None,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> Bands: ...
+@overload
+def decompose(
+    shape: adwave.Grid[NDArray[Float]],
+    signal: None = None,
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: None = None,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> Bands[Float]: ...
+@overload
+def decompose(
+    shape: Path | Shape | Decomposer | Walk | NDArray[np.float64] | tuple[Any, Any],
+    signal: str | None = None,
     *,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
@@ -84,10 +120,34 @@ def decompose(
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     accuracy: float = ...,
+    time: None = None,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> Bands[Any]: ...
+@overload
+def decompose(
+    shape: object,
+    signal: NDArray[Float],
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
     time: Time,
     progress: ProgressLike = None,
     **options: Unpack[PrecisionOptions],
-) -> NDArray[np.float64]: ...
+) -> NDArray[Float]: ...
+@overload
+def decompose(
+    shape: object,
+    signal: SignalLike = None,
+    *,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = ...,
+    time: Time,
+    progress: ProgressLike = None,
+    **options: Unpack[PrecisionOptions],
+) -> NDArray[Any]: ...
 
 
 @public()
@@ -101,7 +161,7 @@ def decompose(
     time: Time | None = None,
     progress: ProgressLike = None,
     **options: Unpack[PrecisionOptions],
-) -> Bands | NDArray[np.float64]:
+) -> Bands[Any] | NDArray[Any]:
     """Split the positions of a shape, or a signal on it, into bands from fine to coarse.
 
     ``W_f(j) = S_f(j−1) − S_f(j)`` with ``S_f(j) = Φ₁^(n_j) f``; the bands and S_f(J) sum to the signal (eq. 11, eq. 15).

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 
 #: Kind of the results for the values of the grid itself.
 _Own = TypeVar("_Own")
+#: Number type of results that are rounded.
+_Integer = TypeVar("_Integer", bound=np.integer[Any])
 
 
 def _gains_after_signal(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
@@ -174,7 +176,20 @@ class Grid(Members, Generic[_Own]):
     @overload
     def decompose(
         self,
-        signal: str | ArrayLike | None = None,
+        signal: NDArray[Float],
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: None = None,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands[Float]: ...
+
+    @overload
+    def decompose(
+        self,
+        signal: Numbers,
         *,
         levels: LevelsLike = None,
         sigma: float | Sequence[float] | None = None,
@@ -183,6 +198,45 @@ class Grid(Members, Generic[_Own]):
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
     ) -> Bands: ...
+
+    @overload
+    def decompose(
+        self: Grid[NDArray[Float]],
+        signal: None = None,
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: None = None,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands[Float]: ...
+
+    @overload
+    def decompose(
+        self,
+        signal: str | ArrayLike | None = None,
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: None = None,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> Bands[Any]: ...
+
+    @overload
+    def decompose(
+        self,
+        signal: NDArray[Float],
+        *,
+        levels: LevelsLike = None,
+        sigma: float | Sequence[float] | None = None,
+        accuracy: float = ...,
+        time: Time,
+        progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
+    ) -> NDArray[Float]: ...
 
     @overload
     def decompose(
@@ -195,7 +249,7 @@ class Grid(Members, Generic[_Own]):
         time: Time,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
-    ) -> Values: ...
+    ) -> NDArray[Any]: ...
 
     @public(_by_name)
     def decompose(
@@ -208,7 +262,7 @@ class Grid(Members, Generic[_Own]):
         time: Time | None = None,
         progress: ProgressLike = None,
         **options: Unpack[LevelOptions],
-    ) -> Bands | Values:
+    ) -> Bands[Any] | NDArray[Any]:
         """Split a signal into bands from fine to coarse, which sum to it; see `adwave.decompose`.
 
         Parameters
@@ -266,7 +320,21 @@ class Grid(Members, Generic[_Own]):
     @overload
     def smooth(
         self,
-        signal: ArrayLike,
+        signal: NDArray[Float],
+        steps: float | None = None,
+        *,
+        fwhm: Length | None = None,
+        sigma: float | None = None,
+        rms: Length | None = None,
+        accuracy: float = ...,
+        time: Time | None = None,
+        progress: ProgressLike = None,
+    ) -> NDArray[Float]: ...
+
+    @overload
+    def smooth(
+        self,
+        signal: Numbers,
         steps: float | None = None,
         *,
         fwhm: Length | None = None,
@@ -276,6 +344,20 @@ class Grid(Members, Generic[_Own]):
         time: Time | None = None,
         progress: ProgressLike = None,
     ) -> Values: ...
+
+    @overload
+    def smooth(
+        self,
+        signal: ArrayLike,
+        steps: float | None = None,
+        *,
+        fwhm: Length | None = None,
+        sigma: float | None = None,
+        rms: Length | None = None,
+        accuracy: float = ...,
+        time: Time | None = None,
+        progress: ProgressLike = None,
+    ) -> NDArray[Any]: ...
 
     @public(_by_name)
     def smooth(
@@ -289,7 +371,7 @@ class Grid(Members, Generic[_Own]):
         accuracy: float = _native.ACCURACY,
         time: Time | None = None,
         progress: ProgressLike = None,
-    ) -> _Own | Values:
+    ) -> _Own | NDArray[Any]:
         """Smooth a signal by one width, with a discrete Gaussian: constants, sums and the range are kept to the accuracy.
 
         Parameters
@@ -707,13 +789,37 @@ def _restore_grid(
 
 @overload
 def grid(
-    array: NDArray[Any] | Sequence[Sequence[float]],
+    array: NDArray[Float],
     spacing: float | Sequence[float] | None = None,
     mask: object = None,
     periodic: bool | Sequence[bool] = False,
     *,
     axes: int | Sequence[int] | None = None,
     keep_dtype: bool = False,
+) -> Grid[NDArray[Float]]: ...
+
+
+@overload
+def grid(
+    array: NDArray[_Integer],
+    spacing: float | Sequence[float] | None = None,
+    mask: object = None,
+    periodic: bool | Sequence[bool] = False,
+    *,
+    axes: int | Sequence[int] | None = None,
+    keep_dtype: Literal[True],
+) -> Grid[NDArray[_Integer]]: ...
+
+
+@overload
+def grid(
+    array: NDArray[np.integer[Any]] | NDArray[np.bool_] | Sequence[Sequence[float]],
+    spacing: float | Sequence[float] | None = None,
+    mask: object = None,
+    periodic: bool | Sequence[bool] = False,
+    *,
+    axes: int | Sequence[int] | None = None,
+    keep_dtype: Literal[False] = False,
 ) -> Grid[Values]: ...
 
 
