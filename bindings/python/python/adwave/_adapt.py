@@ -33,9 +33,20 @@ from ._adapt_arrays import (
     values_array,
     weights_array,
 )
-from ._adapt_objects import SIGNALS, Found, by_names, has_shape_names, library_of, read, warn_of_weights
+from ._adapt_objects import (
+    SIGNALS,
+    Found,
+    by_keys,
+    by_names,
+    face_key,
+    has_shape_names,
+    library_of,
+    point_key,
+    read,
+    warn_of_weights,
+)
 from ._adapt_results import has_place, rebuild
-from ._grid_objects import library_of_grid
+from ._grid_objects import is_image, library_of_grid
 
 __all__ = [
     "Parts",
@@ -204,6 +215,8 @@ def with_results(
         raise TypeError(f"like: {os.fspath(like)!r} is a path; ask for arrays, or write the result to a file")
     if (library := library_of(like)) is not None:
         return rebuild(like, library, points, fields, face_fields, faces)
+    if isinstance(like, Mapping):
+        return _with_results_by_key(like, points, {**fields, **face_fields}, faces)
     pair = _pair_of(like)
     if pair is None and not _is_array_like(like):
         raise TypeError(f"like: results cannot be put into {kind_of(like)}; ask for arrays")
@@ -223,16 +236,41 @@ def with_results(
     return points, (pair[1] if faces is None else np.array(faces))
 
 
+def _with_results_by_key(
+    like: Mapping[Any, Any], points: Array | None, fields: dict[str, Array], faces: Array | None
+) -> dict[Any, Any]:
+    """A dictionary with other points, faces and fields under the keys of the given one."""
+    new: dict[Any, Any] = {key: like[key] for key in like}
+    own = point_key(like)
+    if points is not None:
+        old = array_of(like[own], "like")
+        flat = old.shape[1:] == (2,) and not points[:, 2:].any()
+        new[own] = np.array(points[:, :2] if flat else points, dtype=float_type(old))
+    if faces is not None:
+        new[face_key(like) or "faces"] = np.array(faces)
+    return {**new, **{name: np.array(values) for name, values in fields.items()}}
+
+
+def is_domain(given: object) -> bool:
+    """True for an object of another library, or of this one, that is a shape, a graph or an image, and never a signal."""
+    library = library_of(given)
+    if library is not None:
+        return library not in ("scipy", "pandas", "polars")
+    return is_image(given) or hasattr(type(given), "_as_domain") or hasattr(type(given), "to_trimesh")
+
+
 def can_hold_results(given: object) -> bool:
     """True if `with_results` can make an object of the kind of `given`."""
     if (library := library_of(given)) is not None:
         return has_place(given, library)
+    if isinstance(given, Mapping):
+        return point_key(given) is not None
     return _pair_of(given) is not None or (_is_array_like(given) and not has_shape_names(given))
 
 
 def holds_fields(given: object) -> bool:
     """True if an object can store values at its vertices."""
-    return library_of(given) is not None
+    return library_of(given) is not None or isinstance(given, Mapping)
 
 
 def has_nodes(given: object) -> bool:
@@ -265,6 +303,8 @@ def _find(shape: object, faces: object) -> Found:
         found = _joined(shape)  # type: ignore[arg-type]
     elif faces is None and (pair := _pair_of(shape)) is not None:
         return Found("arrays", points=pair[0], faces=pair[1])
+    elif isinstance(shape, Mapping):
+        found = by_keys(shape)
     elif _is_array_like(shape):
         is_foreign = hasattr(shape, "__dlpack__") and not isinstance(shape, np.ndarray)
         found = Found("dlpack" if is_foreign else "arrays", points=shape)
@@ -273,7 +313,7 @@ def _find(shape: object, faces: object) -> Found:
     else:
         raise TypeError(
             f"shape: cannot read {kind_of(shape)}; pass points, (points, faces), a scipy.sparse matrix, or a "
-            "mesh, cloud or graph of trimesh, PyVista, meshio, Open3D, NetworkX, nilearn, PyTorch Geometric, PyGSP or laspy"
+            "mesh, cloud or graph of trimesh, PyVista, meshio, Open3D, NetworkX, igraph, nilearn, PyTorch Geometric, PyGSP or laspy"
         )
     if faces is not None:
         if found.faces is not None or found.lines is not None or found.edges is not None:

@@ -6,7 +6,7 @@ there as it is; `adwave._adapt` checks and converts it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,6 +29,9 @@ _SHAPE_NAMES = (
     ("vertices", None),
     ("points", None),
 )
+# The keys under which dictionaries and archives of numpy keep them, in lower case.
+_POINT_KEYS = ("vertices", "points", "verts", "v", "pos", "coords", "coordinates", "xyz")
+_FACE_KEYS = ("faces", "triangles", "cells", "tris", "f", "face", "simplices", "connectivity")
 # Classes of further libraries that have a reader here.
 _NEIGHBORS = {
     ("nilearn", "SurfaceMesh"),
@@ -38,6 +41,7 @@ _NEIGHBORS = {
     ("pygsp", "Graph"),
     ("laspy", "LasData"),
     ("anndata", "AnnData"),
+    ("igraph", "Graph"),
 }
 # Libraries with objects that are signals on shapes.
 SIGNALS = ("nilearn", "pyvista", "torch_geometric")
@@ -116,6 +120,38 @@ def by_names(x: Any) -> Found:
             source = type(x).__module__.partition(".")[0]
             return Found(source, points=value(vertices), faces=None if faces is None else value(faces))
     raise _refused(x, "pass points, or (points, faces)")
+
+
+def key_of(x: Mapping[Any, Any], keys: tuple[str, ...]) -> Any:
+    """The key of a dictionary that is one of these, in any case; None if there is none."""
+    by_name = {str(key).lower(): key for key in x}
+    return next((by_name[key] for key in keys if key in by_name), None)
+
+
+def point_key(x: Mapping[Any, Any]) -> Any:
+    """The key of the points of a dictionary; None if there is none."""
+    return key_of(x, _POINT_KEYS)
+
+
+def face_key(x: Mapping[Any, Any]) -> Any:
+    """The key of the faces of a dictionary; None if there is none."""
+    return key_of(x, _FACE_KEYS)
+
+
+def by_keys(x: Mapping[Any, Any]) -> Found:
+    """Content of a dictionary or an archive of numpy: points, faces, and fields under the other keys."""
+    points, faces = point_key(x), face_key(x)
+    if points is None:
+        keys = ", ".join(repr(key) for key in list(x)[:6]) or "none"
+        raise TypeError(
+            f"shape: a dictionary with the keys {keys} has no points; name its arrays 'vertices' and 'faces', or pass a pair, "
+            "(vertices, faces)"
+        )
+    found = Found("dict", points=x[points], faces=None if faces is None else x[faces])
+    if isinstance(found.faces, Mapping):  # cells of meshio by their type
+        found.faces = found.faces.get("triangle", next(iter(found.faces.values()), None))
+    found.fields = {str(key): x[key] for key in x if key not in (points, faces)}
+    return found
 
 
 def _refused(x: object, advice: str) -> TypeError:
@@ -375,6 +411,14 @@ def _read_networkx(x: Any) -> Found:
     return found
 
 
+def _read_igraph(x: Any) -> Found:
+    ends = np.array(x.get_edgelist(), np.int64).reshape(-1, 2)
+    weights = x.es["weight"] if "weight" in x.es.attributes() else None
+    found = Found("igraph", edges=(ends[:, 0], ends[:, 1], weights, not x.is_directed()), n_vertices=int(x.vcount()))
+    found.fields = {name: x.vs[name] for name in x.vs.attributes()}
+    return found
+
+
 def _read_scipy(x: Any) -> Found:
     if len(x.shape) != 2 or x.shape[0] != x.shape[1]:
         raise ValueError(f"shape: the sparse matrix of weights has shape {x.shape}, but must be square")
@@ -514,4 +558,5 @@ _READERS: dict[str, Callable[[Any], Found]] = {
     "pygsp": _read_pygsp,
     "laspy": _read_laspy,
     "anndata": _read_anndata,
+    "igraph": _read_igraph,
 }

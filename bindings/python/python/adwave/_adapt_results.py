@@ -278,6 +278,24 @@ def _rebuild_networkx(like: Any, results: _Results) -> Any:
     return new
 
 
+def _rebuild_igraph(like: Any, results: _Results) -> Any:
+    if results.points is not None or results.faces is not None or results.face_fields:
+        raise TypeError("like: an igraph graph holds values per node only, no points or faces; ask for arrays")
+    new = like.copy()
+    for name, values in results.fields.items():
+        new.vs[name] = np.asarray(values).tolist()
+    return new
+
+
+def _rebuild_anndata(like: Any, results: _Results) -> Any:
+    if results.points is not None or results.faces is not None or results.face_fields:
+        raise TypeError("like: an AnnData holds values per cell only, no points or faces; ask for arrays")
+    new = like.copy()
+    for name, values in results.fields.items():
+        (new.obs if np.ndim(values) == 1 else new.obsm)[name] = np.array(values)
+    return new
+
+
 def _rebuild_pandas(like: Any, results: _Results) -> Any:
     if results.face_fields or results.faces is not None:
         raise TypeError("like: a data frame holds values per vertex only, no faces; ask for arrays")
@@ -390,6 +408,8 @@ _REBUILDERS: dict[str, Callable[[Any, _Results], Any]] = {
     "meshio": _rebuild_meshio,
     "open3d": _rebuild_open3d,
     "networkx": _rebuild_networkx,
+    "igraph": _rebuild_igraph,
+    "anndata": _rebuild_anndata,
     "pandas": _rebuild_pandas,
     "nilearn": _rebuild_nilearn,
     "torch_geometric": _rebuild_torch_geometric,

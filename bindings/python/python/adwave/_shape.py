@@ -78,9 +78,10 @@ class Shape(Carrier):
     points : shape_like
         Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
         ``(points, faces)``, several meshes such as both hemispheres of a brain (which become one), a path, a sparse matrix
-        of weights (a graph), or an object of trimesh, PyVista, meshio, Open3D, networkx, nilearn, AnnData, PyTorch
-        Geometric, PyGSP, laspy or pandas. Both hemispheres of nilearn are one mesh, and the points of a structured grid of
-        PyVista the nodes of a graph. An `ImageData` is a `grid` to all functions, and a graph only here.
+        of weights (a graph), a dictionary or an archive of numpy with ``'vertices'`` and ``'faces'``, or an object of
+        trimesh, PyVista, meshio, Open3D, networkx, igraph, nilearn, AnnData, PyTorch Geometric, PyGSP, laspy or pandas.
+        Both hemispheres of nilearn are one mesh, and the points of a structured grid of PyVista the nodes of a graph. An
+        `ImageData` is a `grid` to all functions, and a graph only here.
     faces : array_like, optional
         Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
         cloud.
