@@ -690,13 +690,15 @@ class PreparedShape(Carrier):
         return _restore, (type(self), self.shape, self._options, self._mask, self._given_walk)
 
 
-def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | None) -> Steps | Widths:
+def smoothing_levels(
+    steps: float | None, rms: Length | Sequence[float] | None, fwhm: Length | Sequence[float] | None
+) -> Steps | Widths:
     """The single level of a smoothing.
 
     Raises
     ------
     ValueError
-        If not exactly one measure is given, or `steps` is none.
+        If not exactly one measure is given, it has several widths, or `steps` is none.
     """
     given = {name: value for name, value in (("steps", steps), ("rms", rms), ("fwhm", fwhm)) if value is not None}
     if len(given) != 1:
@@ -707,7 +709,19 @@ def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | Non
         raise ValueError(f'smooth takes one of fwhm=8, rms="2%" and steps=3, got {found}{line}')
     if steps is not None:
         return Steps(check_steps([steps]))
-    return Widths(rms=None if rms is None else [rms], fwhm=None if fwhm is None else [fwhm])
+    widths = rms if fwhm is None else fwhm
+    if isinstance(widths, (str, int, float, np.number)):
+        widths = [widths]  # type: ignore[list-item]
+    if np.size(widths) != 1:  # type: ignore[arg-type]
+
+        def split(call: Call) -> None:
+            call.function = f"{call.prefix}decompose"
+            if "rms" in call.keywords:
+                call.keywords["levels"] = f"{call.package}Widths(rms={call.keywords.pop('rms')})"
+
+        line = working_line("smooth", split, "aw.decompose(shape, f, fwhm=[2, 4])")
+        raise ValueError(f"smooth takes one width, got {np.size(widths)}; bands between several{line}")  # type: ignore[arg-type]
+    return Widths(rms=None, fwhm=widths) if fwhm is not None else Widths(rms=widths)
 
 
 def _restore(

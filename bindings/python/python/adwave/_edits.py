@@ -276,8 +276,8 @@ def smooth(
     signal: SignalLike = None,
     steps: float | None = None,
     *,
-    fwhm: Length | None = None,
-    rms: Length | None = None,
+    fwhm: Length | Sequence[float] | None = None,
+    rms: Length | Sequence[float] | None = None,
     lazy: bool = True,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
@@ -295,7 +295,8 @@ def smooth(
     steps : float, optional
         Number of steps of the diffusion. Exactly one of the three is given.
     fwhm : float or str, optional
-        Full width at half maximum, in model units or as a share of the diagonal such as ``"2%"``.
+        Full width at half maximum, in model units or as a share of the diagonal such as ``"2%"``; of an image or a volume
+        also one for each axis.
     rms : float or str, optional
         Root mean square distance that a value spreads to, in the same units; on a surface √2 times the standard deviation
         along one axis.

@@ -21,6 +21,7 @@ from adwave._grid_checks import (
     check_spacings,
     find_kept_places,
     levels_by_sigma,
+    spacings_by_width,
     widths_of_sigma,
 )
 from adwave._grid_domain import GridDecomposer, Values
@@ -309,9 +310,9 @@ class Grid(Members, Generic[_Own]):
         signal: str | None = None,
         steps: float | None = None,
         *,
-        fwhm: Length | None = None,
-        sigma: float | None = None,
-        rms: Length | None = None,
+        fwhm: Length | Sequence[float] | None = None,
+        sigma: float | Sequence[float] | None = None,
+        rms: Length | Sequence[float] | None = None,
         accuracy: float = ...,
         time: Time | None = None,
         progress: ProgressLike = None,
@@ -323,9 +324,9 @@ class Grid(Members, Generic[_Own]):
         signal: NDArray[Float],
         steps: float | None = None,
         *,
-        fwhm: Length | None = None,
-        sigma: float | None = None,
-        rms: Length | None = None,
+        fwhm: Length | Sequence[float] | None = None,
+        sigma: float | Sequence[float] | None = None,
+        rms: Length | Sequence[float] | None = None,
         accuracy: float = ...,
         time: Time | None = None,
         progress: ProgressLike = None,
@@ -337,9 +338,9 @@ class Grid(Members, Generic[_Own]):
         signal: Numbers,
         steps: float | None = None,
         *,
-        fwhm: Length | None = None,
-        sigma: float | None = None,
-        rms: Length | None = None,
+        fwhm: Length | Sequence[float] | None = None,
+        sigma: float | Sequence[float] | None = None,
+        rms: Length | Sequence[float] | None = None,
         accuracy: float = ...,
         time: Time | None = None,
         progress: ProgressLike = None,
@@ -351,9 +352,9 @@ class Grid(Members, Generic[_Own]):
         signal: ArrayLike,
         steps: float | None = None,
         *,
-        fwhm: Length | None = None,
-        sigma: float | None = None,
-        rms: Length | None = None,
+        fwhm: Length | Sequence[float] | None = None,
+        sigma: float | Sequence[float] | None = None,
+        rms: Length | Sequence[float] | None = None,
         accuracy: float = ...,
         time: Time | None = None,
         progress: ProgressLike = None,
@@ -365,9 +366,9 @@ class Grid(Members, Generic[_Own]):
         signal: str | ArrayLike | None = None,
         steps: float | None = None,
         *,
-        fwhm: Length | None = None,
-        sigma: float | None = None,
-        rms: Length | None = None,
+        fwhm: Length | Sequence[float] | None = None,
+        sigma: float | Sequence[float] | None = None,
+        rms: Length | Sequence[float] | None = None,
         accuracy: float = _native.ACCURACY,
         time: Time | None = None,
         progress: ProgressLike = None,
@@ -384,7 +385,8 @@ class Grid(Members, Generic[_Own]):
         fwhm : float or str, optional
             Full width at half maximum instead of steps, in the unit of the spacing or as a share of the diagonal such as
             ``"2%"``: 2.3548 standard deviations along each axis, exactly. The kernel crosses its half maximum there if it is
-            wide; at a width of w places it does so by about ``1.07/w²`` of the width closer.
+            wide; at a width of w places it does so by about ``1.07/w²`` of the width closer. Also a width for each axis, as in
+            nilearn and SciPy.
         sigma : float, optional
             Standard deviation along one axis instead of steps, as SciPy counts.
         rms : float or str, optional
@@ -409,17 +411,19 @@ class Grid(Members, Generic[_Own]):
         array([0.059, 0.267, 0.733, 0.941])
         """
         own = self._signal(signal)
+        each = {"sigma": sigma, "fwhm": fwhm, "rms": rms}
+        name, widths = next(((name, widths) for name, widths in each.items() if np.ndim(widths or 0)), ("", None))
+        if widths is not None:
+            # One width where the spacings are divided by those of the axes.
+            scaled = self._with_spacing(spacings_by_width(name, widths, self.spacing))
+            each[name] = 1.0
+            return scaled.smooth(signal, steps, **each, accuracy=accuracy, time=time, progress=progress)  # type: ignore[arg-type]
         if sigma is not None:
             if steps is not None or fwhm is not None or rms is not None:
                 raise ValueError(
                     "smooth takes one of fwhm=8, sigma=2 and steps=3, got sigma and another; leave one out"
                 )
             levels: LevelsLike = widths_of_sigma(sigma)
-            if len(levels) != 1:
-                raise ValueError(
-                    f"sigma: got {len(levels)} numbers, and one width holds for all axes in the unit of the spacing; pass "
-                    "spacing=(…) to aw.grid for voxels of different lengths, and smooth(sigma=2.0)"
-                )
         else:
             given = {"steps": steps, "fwhm": fwhm, "rms": rms}
             names = [name for name, value in given.items() if value is not None]
@@ -707,6 +711,10 @@ class Grid(Members, Generic[_Own]):
         found = scalars_of(self._given, name)
         spacing = self.spacing if found.sizes == self.shape else None
         return Grid(found, spacing, self.mask, self.periodic, keep_dtype=self.keep_dtype)
+
+    def _with_spacing(self, spacing: tuple[float, ...]) -> Grid[_Own]:
+        """This grid with other distances between places."""
+        return Grid(self._given, spacing, self.mask, self.periodic, axes=self.axes, keep_dtype=self.keep_dtype)
 
     def _signal(self, signal: Any) -> Any:
         """A signal of a method: the grid's own values by default."""

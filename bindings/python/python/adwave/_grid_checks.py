@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -92,6 +93,29 @@ def widths_of_sigma(sigma: Any) -> Widths:
     if not (given.size and np.isfinite(given).all() and (given > 0).all()):
         raise ValueError(f"sigma must be above 0, as in sigma=2.0, got {sigma!r}")
     return Widths(rms=[float(np.sqrt(2.0) * each) for each in given.ravel()])
+
+
+def spacings_by_width(name: str, widths: Any, spacing: Sequence[float]) -> tuple[float, ...]:
+    """Spacings on which one width of 1 is a width for each axis.
+
+    Raises
+    ------
+    ValueError
+        If there is not one width above 0 for each axis.
+    """
+    each = np.ravel(widths).tolist()
+    if len(each) == 1:
+        each *= len(spacing)
+    if len(each) != len(spacing):
+        raise ValueError(
+            f"{name}: got {len(each)} numbers for {len(spacing)} axes; give one number, or one for each axis"
+        )
+    if not all(isinstance(width, (int, float)) and 0 < width < np.inf for width in each):
+        raise ValueError(
+            f"{name}: widths must be finite numbers above 0, got {widths!r}; an axis that is not smoothed is left out, "
+            "aw.grid(array, axes=(1, 2))"
+        )
+    return tuple(h / width for h, width in zip(spacing, each, strict=True))
 
 
 def levels_by_sigma(function: str, levels: LevelsLike, sigma: Any, options: dict[str, Any]) -> LevelsLike:

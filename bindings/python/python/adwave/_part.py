@@ -120,8 +120,8 @@ class FilterOptions(PrecisionOptions, TimeOption, total=False):
 class SmoothCall(SmoothInTimeOptions, total=False):
     """All keywords of `smooth`, for type checkers."""
 
-    fwhm: Union[Length, None]
-    rms: Union[Length, None]
+    fwhm: Union[Length, Sequence[float], None]
+    rms: Union[Length, Sequence[float], None]
     lazy: bool
     operator: OperatorLike
     accuracy: float
