@@ -135,6 +135,20 @@ class GridDecomposer(Decomposer):
         other._by_width = other._last_masked = None
         return other
 
+    def facts(self) -> dict[str, Any]:
+        """Facts about the grid: axes, spacings, places with data, and the size to which lengths in % refer."""
+        grid, outside = self._grid, self._outsiders()
+        known = self.n_vertices if outside is None else int(np.count_nonzero(~outside))
+        return {
+            **{
+                "kind": "grid",
+                "shape": list(grid.shape),
+                "spacing": list(grid.spacing),
+                "periodic": list(grid.periodic),
+            },
+            **{"places": self.n_vertices, "places_with_data": known, "diagonal": self.diagonal, "extent": self.extent},
+        }
+
     def __repr__(self) -> str:
         return f"<adwave.Decomposer: heat on {self._grid!r}>"
 

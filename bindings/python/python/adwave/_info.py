@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from adwave import _native
 from adwave._caller import Call, public
 from adwave._decomposer import Where, prepare_decomposer
+from adwave._grid_domain import GridDecomposer
 from adwave._layout import Layout, region_weights
 from adwave._misfit import working_line
 from adwave._options import Length, OperatorLike, check_levels
@@ -89,7 +90,8 @@ def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[Smoo
     Info
         Numbers of vertices, faces, edges and components, areas and lengths in model units, and more. With
         ``operator="surface"`` also ``raised_masses``, the number of vertices whose masses were raised to bound the time, and
-        ``added_mass``, the share of the area that this adds; ``exact=True`` raises none.
+        ``added_mass``, the share of the area that this adds; ``exact=True`` raises none. Of an image or a volume its axes,
+        spacings and places.
 
     Examples
     --------
@@ -100,6 +102,8 @@ def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[Smoo
     """
     part = read_part("info", shape, options, ("operator",)).part
     decomposer = prepare_decomposer(part, exact_operator(operator, options))
+    if isinstance(decomposer, GridDecomposer):
+        return Info(decomposer.facts())
     own = decomposer.shape
     return Info({"kind": own.kind, "format": own.format, "fields": list(own.fields), **decomposer._data.facts()})
 
