@@ -266,7 +266,7 @@ TYPE_ERRORS: dict[str, Callable[[], Any]] = {
     "is not in CPU memory; call .cpu() on it": lambda: parts_of(WithDlpack(POINTS, 2)),
     "shape: 'bunny.obj' is a path; read it first": lambda: parts_of("bunny.obj"),
     "shape: cannot read an object of type NoneType; pass points, (points, faces)": lambda: parts_of(None),
-    "shape: cannot read an object of type dict": lambda: parts_of({"points": POINTS}),
+    "shape: a dictionary with the keys 'a' has no points": lambda: parts_of({"a": POINTS}),
     "faces: indices cannot be bool": lambda: parts_of(POINTS, TRIANGLES > 0),
     "faces: dtype complex128 is not a type of real numbers": lambda: parts_of(POINTS, TRIANGLES * 1j),
     "faces: offsets of dtype float64": lambda: parts_of(POINTS, (TRIANGLES.ravel(), HEIGHT)),

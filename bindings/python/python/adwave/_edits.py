@@ -336,9 +336,10 @@ def smooth(
     """
     time = options.pop("time", None)
     if steps is not None and not is_number(steps) and np.ndim(steps):
-        raise TypeError(
-            misfit(smooth, (shape, signal, steps), {}, "smooth takes a number of steps third, got an array")
-        )
+        given = {"fwhm": fwhm, "rms": rms, "operator": operator, "time": time, **options}
+        given = {name: value for name, value in given.items() if value is not None}
+        why = "smooth takes a number of steps third, got an array"
+        raise TypeError(misfit(smooth, (shape, signal, steps), given, why))
     own = grid_method("smooth", shape, options, signal)
     if own is not None:
         given = {"fwhm": fwhm, "rms": rms, "operator": operator, "time": time}

@@ -5,6 +5,8 @@ No library is imported before an object of it arrives; each is known by the modu
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -14,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _image_data
-from adwave._caller import warn
+from adwave._caller import Call, warn
 from adwave._grid_layout import MAX_AXES, MAX_COLORS
+from adwave._misfit import working_line
 
 #: Largest difference between steps of a coordinate, relative to their mean: that of coordinates in 32 bits.
 UNEVEN = 1e-3
@@ -101,7 +104,34 @@ def is_image(given: object) -> bool:
     return library_of_grid(given) in ("nibabel", "SimpleITK", "rasterio", "pyvista")
 
 
+def refuse_image_file(function: str, path: object) -> None:
+    """Raise TypeError for the path of an image that another library reads, with the line that reads it."""
+    if not isinstance(path, (str, os.PathLike)):
+        return
+    name = os.fspath(path).lower()
+    reader = next((reader for reader, ends in _FILE_READERS.items() if name.endswith(ends)), None)
+    if reader is None or re.search(r"\.[dp][a-z]+\.nii$", name):  # CIFTI files are meshes with values.
+        return
+
+    def load(call: Call) -> None:
+        if call.is_method:
+            call.function, call.is_method = f"aw.{call.name}", False
+        call.arguments[:1] = [f"{reader}({call.arguments[0] if call.arguments else repr(path)})"]
+
+    line = working_line(function, load, f"aw.{function}({reader}(path))")
+    line = line.replace("; write ", f"; write import {reader.partition('.')[0]}; ", 1)
+    raise TypeError(f"{function}: {path!r} is the file of an image, which {reader} reads{line}")
+
+
+#: Functions that read files of images, by the ends of their names.
+_FILE_READERS = {
+    "nibabel.load": (".nii", ".nii.gz", ".mgz", ".mgh", ".hdr", ".img"),
+    "SimpleITK.ReadImage": (".nrrd", ".nhdr", ".mha", ".mhd"),
+}
+
+
 def _refuse_others(given: object) -> None:
+    refuse_image_file("grid", given)
     if isinstance(given, (str, bytes)) or hasattr(given, "__fspath__"):
         raise TypeError(
             f"array: {given!r} is a path or text; read it first, as in aw.grid(nibabel.load(path)), "

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from adwave._caller import Call, written_call
-from adwave._other_names import FORMER, OPTIONS_OF, PRESETS
+from adwave._other_names import FORMER, OPTIONS_OF, PRESETS, SHAPE_WORDS
 
 _UNKNOWN = object()
 
@@ -218,14 +218,16 @@ def repair(
     if given is not None:
         reasons += _pair_faces(call, given)
         reasons += _signal_second(call, given, places)
-    for name in [name for name in call.keywords if name not in known]:
+    unknown = [name for name in call.keywords if name not in known]
+    if unknown and places and not call.arguments and places[0] not in call.keywords and places[0] != "signal":
+        first = next((word for word in SHAPE_WORDS if word in unknown), unknown[0])
+        unknown.remove(first)
+        text = call.keywords.pop(first)
+        call.arguments.append(f"{call.package}from_edge_index({text})" if first == "edge_index" else text)
+        reasons.append(f"{call.arguments[0]} goes first")
+    for name in unknown:
         text = call.keywords[name]
         value = options.get(name, literal(text))
-        if places and not call.arguments and places[0] not in call.keywords and places[0] != "signal":
-            del call.keywords[name]
-            call.arguments.append(text)
-            reasons.append(f"{text} goes first")
-            continue
         reasons += rename_option(call, name, text, value, known)
     if places and given is not None:
         reasons += move_surplus(call, places, given, known)
@@ -364,10 +366,10 @@ def rename_option(call: Call, name: str, text: str, value: Any, known: Collectio
     """Replace an unknown keyword; returns what it is called here."""
     del call.keywords[name]
     if name == "layer" and call.arguments:  # of an AnnData
-        text = f"{call.arguments[0]}.layers[{text}]"
+        text = f"{call.arguments[0]}.X" if value in ("X", None) else f"{call.arguments[0]}.layers[{text}]"
     if name == "weights" and "gains" in known and isinstance(value, (list, tuple)):
         return _as_gains(call, text)
-    for meaning in OPTIONS_OF.get(name.lower(), []):
+    for meaning in OPTIONS_OF.get(name, OPTIONS_OF.get(name.lower(), [])):
         rule = _RULES.get(meaning)
         found = rule(call, text, value, known) if rule is not None else None
         if found is None and meaning in known and meaning not in call.keywords:
@@ -526,6 +528,21 @@ def _signal(call: Call, text: str, value: Any, known: Collection[str]) -> str | 
     return "the signal is the second argument" if not call.is_method else "the signal is the first argument"
 
 
+def _genes(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
+    if "signal" not in known or not call.arguments:
+        return None
+    names = f"[{text}]" if isinstance(value, str) else text
+    return _signal(call, f"{call.arguments[0]}[:, {names}].X", value, known)
+
+
+def _edge_index(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
+    if not call.arguments or call.is_method:
+        return None
+    signal, call.arguments[0] = call.arguments[0], f"{call.package}from_edge_index({text})"
+    call.arguments.insert(1, signal)
+    return "a graph by its edges is aw.from_edge_index(edge_index)"
+
+
 def _where(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
     if "where" in known:
         call.keywords["where"] = text
@@ -642,6 +659,8 @@ _RULES: dict[str, Callable[[Call, str, Any, Collection[str]], str | None]] = {
     "color_map": _color_map,
     "range": _range,
     "signal": _signal,
+    "genes": _genes,
+    "edge_index": _edge_index,
     "where": _where,
     "mask": _mask,
     "weights": _weights,
@@ -656,6 +675,15 @@ _RULES: dict[str, Callable[[Call, str, Any, Collection[str]], str | None]] = {
     "reduction": _reduction,
     "nothing": lambda call, text, value, known: "it has no counterpart here",
 }
+
+
+def elements(text: str) -> list[str] | None:
+    """Texts of the elements of a tuple or a list; None for other texts."""
+    try:
+        node = ast.parse(text, mode="eval").body
+    except SyntaxError:
+        return None
+    return [ast.unparse(each) for each in node.elts] if isinstance(node, (ast.Tuple, ast.List)) else None
 
 
 def literal(text: str) -> Any:

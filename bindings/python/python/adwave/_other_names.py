@@ -6,11 +6,12 @@ from __future__ import annotations
 _OPTIONS = {
     "levels": (
         "n_levels level n_scales nscales j n_bands nlevels depth max_level num_levels num_scales nb_levels "
-        "max_levels nb_scales octaves n_octaves"
+        "max_levels nb_scales octaves n_octaves nf n_filters num_filters n_components num_bands"
     ),
     "steps": (
         "t n_steps time times tau iterations n_iter n_iterations iters power n niter number_of_iterations "
-        "num_iterations num_steps max_iter filter_iterations repeat order diffusion_time n_times hops scales"
+        "num_iterations num_steps max_iter filter_iterations repeat order diffusion_time n_times hops scales K "
+        "n_hops num_hops num_layers"
     ),
     "neighbors": "k knn n_neighbors n_neighbours neighbours nn num_neighbors max_nn nb_neighbors kneighbors n_neigh",
     "threads": "n_jobs num_threads n_threads workers nthreads num_workers",
@@ -18,14 +19,14 @@ _OPTIONS = {
     "range": "clim vmin vmax color_range",
     "signal": (
         "f x data values scalars y field feature texture img value scalar name function s sig features "
-        "signals layer vertex_values point_data array arr map"
+        "signals layer vertex_values point_data array arr map key surf_map surf_data stat_map node_attr color"
     ),
     "where": "region roi subset",
     "mask": "mask_img vertex_mask indices",
     "weights": "weight edge_weight w edge_weights edge_attr weighting",
     "operator": "method kernel laplacian kind walk lazy exact normalization normalized",
     "gains": "preset gain filter coefficients coeffs g mode_gains response type",
-    "sigma": "std sd smoothing bandwidth sigmas s stddev scale sigma_range",
+    "sigma": "std std_dev std_deviation sd smoothing bandwidth sigmas s stddev scale sigma_range",
     "widths": "lengths length sizes radius radii rms_width width size distance",
     "fwhm": "smoothing_fwhm kernel_fwhm fwhm_mm",
     "seed": "random_state rng random_seed",
@@ -48,12 +49,14 @@ _OPTIONS = {
     "points": "vertices verts v coords coordinates pos xyz nodes pts",
     "spacing": "voxel_size pixdim zooms cellsize pixel_size sampling voxel_sizes cell_size dx res",
     "affine": "",
+    "genes": "gene var_names gene_names gene_list",
+    "edge_index": "",
     "periodic": "mode boundary wrap padding pad_mode",
     "nothing": (
         "lamb lambda_ lam mu nu relaxation_factor inplace copy metric normalize return_info pass_band "
         "feature_angle boundary_smoothing feature_smoothing edge_angle implicit_time_integration truncate "
         "cval output dtype device symmetric volume_constraint laplacian_operator in_place filter_scope solver "
-        "random progress_callback cutoff beta gamma wavelet symmetrize p"
+        "random progress_callback cutoff beta gamma wavelet symmetrize p use_rep basis std_ratio radius_factor kernel_size"
     ),
 }
 #: Options here that an option of another library may stand for, in the order in which they are tried.
@@ -61,6 +64,12 @@ OPTIONS_OF: dict[str, list[str]] = {}
 for _ours, _names in _OPTIONS.items():
     for _name in (*_names.split(), _ours):
         OPTIONS_OF.setdefault(_name, []).append(_ours)
+#: Words of other libraries for what comes first, the surest first.
+SHAPE_WORDS = (
+    *("edge_index", "surf_mesh", "mesh", "surface", "shape", "graph", "G", "vertices", "verts", "V", "points", "xyz"),
+    *("pos", "coords", "coordinates", "adjacency", "adj", "W", "A", "adata", "pcd", "point_cloud", "cloud", "poly"),
+    *("polydata", "volume", "img", "image", "grid", "data", "X"),
+)
 #: Names of a number of neighbors.
 NEIGHBOR_NAMES = ("neighbors", *_OPTIONS["neighbors"].split())
 
@@ -85,11 +94,12 @@ _FUNCTIONS = {
     ),
     "smooth": (
         "diffuse heat_kernel heat heat_diffusion blur lowpass gaussian gaussian_smooth smoothing diffusion "
-        "smooth_data smooth_mesh smooth_taubin filter_smooth_simple laplacian_smooth heat_smooth smooth_img "
+        "smooth_data smooth_mesh filter_smooth_simple laplacian_smooth heat_smooth smooth_img "
         "smooth_surface smooth_signal gaussian_filter gaussian_blur smooth_image smooth_array "
         "filter_laplacian filter_humphrey heat_method"
     ),
-    "denoise": "denoising remove_noise clean denoise_mesh denoise_image denoise_wavelet denoise_signal threshold",
+    "denoise": "denoising remove_noise clean denoise_mesh denoise_image denoise_wavelet denoise_signal threshold "
+    "remove_statistical_outlier remove_radius_outlier remove_outliers",
     "filter": (
         "sharpen enhance equalize apply_filter bandpass highpass band_pass filter_signal filter_mesh unsharp_mask"
     ),
@@ -122,7 +132,7 @@ _FUNCTIONS = {
     "threads": "set_num_threads set_threads num_threads n_threads",
     "show_versions": "versions version_info",
     "signal": "curvature mean_curvature normals estimate_normals compute_normals vertex_normals gaussian_curvature",
-    "baselines": "taubin filter_taubin harmonics heat_kernel_signature eigenvectors",
+    "baselines": "taubin filter_taubin smooth_taubin filter_smooth_taubin harmonics heat_kernel_signature eigenvectors",
 }
 FUNCTION_OF = _reversed(_FUNCTIONS)
 #: Signals by names of functions that compute them elsewhere.
@@ -132,7 +142,17 @@ SIGNALS = {
     "gaussian_curvature": "gaussian-curvature",
 }
 #: Baselines by names of functions elsewhere.
-BASELINES = {"filter_taubin": "taubin", "eigenvectors": "harmonics"}
+BASELINES = {
+    "filter_taubin": "taubin",
+    "smooth_taubin": "taubin",
+    "filter_smooth_taubin": "taubin",
+    "eigenvectors": "harmonics",
+}
+#: Options of baselines by the words that other libraries have for them.
+BASELINE_OPTIONS = {
+    "iterations": ("n_iter", "number_of_iterations", "filter_iterations"),
+    "lam": ("lamb", "lambda_", "lambda_filter"),
+}
 #: Presets by the words that other programs have for them.
 PRESETS = {
     "enhance": ("sharpen", "sharp", "highpass", "high-pass", "high_pass", "boost", "unsharp", "detail"),

@@ -7,6 +7,7 @@ pair for a pair, and a `Shape` for a `Shape`, a path or a `Decomposer`.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict, Union
@@ -15,24 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt
+from adwave._argument_order import MAX_CORNERS, ask_about_faces, check_order
 from adwave._caller import Call
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
-from adwave._grid_objects import is_image, library_of_grid
+from adwave._grid_objects import is_image, library_of_grid, refuse_image_file
 from adwave._image_data import scalars_of
 from adwave._layout import Layout, region_weights, signal_values
-from adwave._misfit import (
-    SURPLUS,
-    is_number,
-    is_square,
-    known_options,
-    looks_like_faces,
-    refuse_unknown,
-    rename_keyword,
-    working_line,
-    wrap_grid,
-)
+from adwave._misfit import known_options, refuse_unknown, working_line
 from adwave._options import Constraints, Length, LevelOptions, LevelsLike, OperatorLike, SignalLike, as_operator
-from adwave._other_names import NEIGHBOR_NAMES
 from adwave._progress import ProgressLike
 from adwave._shape import Conditions, Path, Shape, as_shape
 from adwave._time import Time
@@ -158,7 +149,6 @@ _PART = ("faces", "mask", "only")
 _EXACT = (*_PART, "exact")
 _SIGNAL = (*_EXACT, "fwhm", "steps")
 _WITH_PRECISION = ("decompose", "filter")
-_MAX_CORNERS = 4
 
 
 @dataclass
@@ -291,7 +281,7 @@ def read_part(
     wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
     wanted += ("precision",) if function in _WITH_PRECISION else ()
     wanted += ("accuracy",) if function == "filter" else ()
-    _check_order(function, shape, signal, [*known, *wanted])
+    check_order(function, shape, signal, [*known, *wanted])
     if options.get("faces") is None and signal is not None:
         ask_about_faces(function, shape, signal, [*known, *wanted])
     if options:
@@ -340,6 +330,10 @@ def default_signal(part: Part, signal: SignalLike) -> SignalLike:
     if isinstance(signal, Mapping) and _adapt.has_nodes(given):
         # Values by the names of the nodes, as in NetworkX.
         return np.array([signal.get(node, np.nan) for node in given], dtype=np.float64)  # type: ignore[attr-defined]
+    if isinstance(signal, os.PathLike):
+        return os.fspath(signal)  # type: ignore[return-value]
+    if isinstance(signal, str):
+        _refuse_values_of_faces(part, signal)
     if signal is not None:
         return signal
     own = own_signal(given)
@@ -356,6 +350,26 @@ def default_signal(part: Part, signal: SignalLike) -> SignalLike:
     return own
 
 
+def _refuse_values_of_faces(part: Part, name: str) -> None:
+    """Raise ValueError for the name of values at faces; those of PyVista become values at points in the line."""
+    whole = part.whole
+    if not isinstance(whole, Shape) or name in whole.fields or name not in whole.face_fields:
+        return
+
+    def average(call: Call) -> None:
+        at = call.prefix[:-1] if call.is_method else call.arguments[0]
+        changed = f"{at}.cell_data_to_point_data()"
+        if call.is_method:
+            call.function = f"{changed}.{call.name}"
+        else:
+            call.arguments[0] = changed
+
+    line = "; average them at the vertices first"
+    if hasattr(part.given, "cell_data_to_point_data"):
+        line = working_line(part.function, average, f"aw.{part.function}(mesh.cell_data_to_point_data(), {name!r})")
+    raise ValueError(f"signal: {name!r} has values at the faces, and a signal has one at each vertex{line}")
+
+
 def grid_method(function: str, shape: Any, options: Any, signal: Any = None) -> Callable[..., Any] | None:
     """Method of an image or a volume, which knows the axes of its signals; None for all other shapes.
 
@@ -367,9 +381,10 @@ def grid_method(function: str, shape: Any, options: Any, signal: Any = None) -> 
         places, names = known_options(getattr(kind, function))
         refuse_unknown(function, options, [*places[1:], *names], ())
         return getattr(shape, function)
+    refuse_image_file(function, shape)
     library = library_of_grid(shape)
     is_points = np.ndim(shape) == 2 and np.shape(shape)[1] in (2, 3) if library == "xarray" else not is_image(shape)
-    if is_points and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > _MAX_CORNERS):
+    if is_points and not (isinstance(shape, np.ndarray) and shape.ndim == 3 and min(shape.shape) > MAX_CORNERS):
         return None
     import adwave  # the package loads the module of `Grid`, which is above this one
 
@@ -380,96 +395,3 @@ def grid_method(function: str, shape: Any, options: Any, signal: Any = None) -> 
     if library == "pyvista":
         shape = scalars_of(shape, signal)
     return getattr(Grid(shape, mask=mask), function)
-
-
-def _check_order(function: str, shape: Any, signal: Any, known: list[str]) -> None:
-    """Raise TypeError if the first arguments are in another order, or are others than a shape and a signal."""
-    if function not in ("smooth", "decompose", "filter", "denoise", "saliency", "features"):
-        return
-    is_array = isinstance(shape, np.ndarray)
-    if is_array and shape.ndim == 1 and (isinstance(signal, tuple) or np.ndim(signal) == 2):
-
-        def swap(call: Call) -> None:
-            call.arguments[:2] = [call.arguments[1], call.arguments[0]]
-
-        line = working_line(function, swap, f"aw.{function}(shape, f)")
-        raise TypeError(f"{function}: the shape comes first and its signal second{line}")
-    is_wide = is_array and shape.ndim == 2 and shape.shape[0] > 1 and shape.shape[1] > 3 and shape.shape[0] > 3
-    is_volume = is_array and shape.ndim == 3 and shape.shape[1:] != (3, 3)
-    if not (is_wide or is_volume) and not is_number(signal):
-        return
-    is_graph = is_wide and is_square(shape) and (shape == shape.T).all() and (shape >= 0).all()
-    has_rows = (
-        is_wide and signal is not None and np.shape(signal)[:1] == shape.shape[:1] and np.shape(signal) != shape.shape
-    )
-    is_samples = is_wide and not is_square(shape) and signal is not None and (has_rows or signal is shape)
-
-    def change(call: Call) -> None:
-        at = 0 if call.is_method else 1
-        if is_number(signal) and len(call.arguments) > at:
-            name = "sigma" if function == "smooth" and (is_wide or is_volume) else SURPLUS.get(function)
-            text = call.arguments.pop(at)
-            if name is not None:
-                call.keywords[name] = text
-        if call.is_method or not call.arguments:
-            return
-        text, package = call.arguments[0], call.package
-        is_grid = (is_wide or is_volume) and not (is_graph or is_samples)
-        neighbors = ""
-        for name in [name for name in call.keywords if name not in known and not (is_grid and name == "sigma")]:
-            if is_samples and name in NEIGHBOR_NAMES:
-                neighbors = f"neighbors={call.keywords.pop(name)}, "
-            else:
-                rename_keyword(call, name, [*known, *(("sigma",) if is_grid else ())])
-        text = call.arguments[0]
-        if is_graph:
-            call.arguments[0] = f'{package}walk({text}, normalize="row", stay=0.5)'
-        elif is_samples:
-            call.arguments[0] = f"{package}point_walk({text}, {neighbors}stay=0.5)"
-        elif is_volume and min(shape.shape[0], shape.shape[2]) <= _MAX_CORNERS:
-            wrap_grid(call, axes="(0, 1)" if shape.shape[2] <= _MAX_CORNERS else "(1, 2)")
-        elif is_wide or is_volume:
-            wrap_grid(call)
-
-    if is_graph:
-        what = "a matrix of weights between nodes is a walk, aw.walk(W, normalize='row')"
-    elif is_samples:
-        what = "samples of many features are the nodes of a graph of neighbors, aw.point_walk(X)"
-    elif is_wide or is_volume:
-        what = f"an array of shape {np.shape(shape)} is no list of points; an image or a volume is aw.grid(array)"
-    else:
-        what = f"a single number is no signal, got {signal!r}"
-    raise TypeError(f"{function}: {what}{working_line(function, change, f'aw.{function}(aw.grid(array))')}")
-
-
-def ask_about_faces(function: str, shape: object, second: object, known: Sequence[str] = ()) -> None:
-    """Raise TypeError if the second argument looks like the faces of an array of points.
-
-    Parameters
-    ----------
-    function : str
-        Name of the function, for the message.
-    shape, second : object
-        The first two arguments.
-    known : sequence of str
-        Options of the function; those that are none of them are renamed in the line.
-    """
-    if isinstance(second, str) or not isinstance(shape, (np.ndarray, list)):
-        return
-    if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or not looks_like_faces(shape, second):
-        return
-    rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": '"smooth"'}.get(function, "f")
-
-    def join(call: Call) -> None:
-        if len(call.arguments) > 1:
-            call.arguments[:2] = [f"({call.arguments[0]}, {call.arguments[1]})"]
-        for name in [name for name in call.keywords if known and name not in known]:
-            rename_keyword(call, name, known)
-        if function in ("match", "distances"):
-            call.arguments.append(rest)
-
-    line = working_line(function, join, f"aw.{function}((V, F), {rest})")
-    advice = "; a signal of whole numbers goes as F.astype(float)" if rest in ("f", '"smooth"') else ""
-    raise TypeError(
-        f"{function}: are these the faces of the points? They go in a pair, (V, F), or as faces=F{advice}{line}"
-    )

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._argument_order import ask_about_faces
 from adwave._caller import public
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._options import Length, OperatorLike, as_operator
-from adwave._part import Part, ask_about_faces, read_part
+from adwave._part import Part, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from adwave._caller import Call, written_call
 from adwave._misfit import complete, known_options, literal, move_surplus, rename_option, wrap_grid
-from adwave._other_names import AS_FUNCTION, BASELINES, FUNCTION_OF, MEMBER_OF, SIGNALS
+from adwave._other_names import AS_FUNCTION, BASELINE_OPTIONS, BASELINES, FUNCTION_OF, MEMBER_OF, SIGNALS
 
 
 def unknown_attribute(name: str) -> str:
@@ -123,7 +123,12 @@ def _renamed(call: Call, name: str, ours: str) -> Call:
         return call
     if ours == "baselines":
         call.function = f"{package}baselines.{BASELINES.get(lower, lower)}"
-        call.arguments, call.keywords = call.arguments[:1], {}
+        meant = {theirs: own for own, names in BASELINE_OPTIONS.items() for theirs in (own, *names)}
+        kept = {meant[name]: text for name, text in call.keywords.items() if name in meant} if "taubin" in lower else {}
+        call.arguments, call.keywords = call.arguments[:1], kept
+        return call
+    if "outlier" in lower:
+        call.arguments, call.keywords = call.arguments[:1], {"outliers": '"pull"'}
         return call
     if lower in ("sharpen", "enhance", "unsharp_mask"):
         call.arguments.append('"enhance"')
@@ -131,7 +136,8 @@ def _renamed(call: Call, name: str, ours: str) -> Call:
         if lower.startswith("wavedec"):
             call.arguments = call.arguments[:1]
         if len(call.arguments) > 1:
-            call.keywords.setdefault("sigma", call.arguments.pop(1))
+            # `smooth_img` of nilearn takes a full width, the others a standard deviation.
+            call.keywords.setdefault("fwhm" if "img" in lower else "sigma", call.arguments.pop(1))
         wrap_grid(call)
         call.function, call.is_method = f"{call.arguments.pop(0)}.{ours}", True
     if ours == "sample" and not call.arguments:
