@@ -30,7 +30,7 @@ hierarchy(shape)                            levels of a subdivided mesh, and wav
 render(shape, f), report(shape, "a.html")   draw it; write a page about it
 info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
-Time(dt=2, fwhm=4)                          bands along time: smooth(shape, f, fwhm=8, time=aw.Time(2, fwhm=4))
+Time(dt=2, fwhm=4)                          along time too: smooth(shape, series, fwhm=8, time=aw.Time(2, fwhm=4))
 sequence("walk/*.obj", dt=0.04)             frames of a shape that moves: smooth, filter, denoise, write
 vectors(shape, v, symmetry=1)               tangent vectors, lines or crosses; tensors(grid, D) for tensors
 rasterize(points, cell=1)                   heights of a scan as a grid, and values back at points
@@ -43,7 +43,7 @@ Whatever has bands goes in the place of `shape`, and has the same functions as m
 ==========================================  ============================================================
 read(path), Shape(points, faces)            meshes and clouds; sample() and graph() make others
 walk(W, normalize="row"), point_walk(X)     random walks on graphs and on points of any dimension
-grid(array, spacing=h, mask=m)              images and volumes, also of nibabel, xarray, SimpleITK, rasterio
+grid(array, spacing=h, mask=m)              images and volumes of numpy, nibabel, xarray, SimpleITK, PyVista
 union([left, right, grid])                  several of them as one, such as both hemispheres
 Decomposer(shape)                           any of them prepared once, for many requests
 ==========================================  ============================================================

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
+from adwave._adapt import depth
 from adwave._decomposer import Decomposer, as_domain, prepare_decomposer
 from adwave._options import Operator
 from adwave._shape import Shape
@@ -64,7 +65,9 @@ def _restore(parts: tuple[object, ...], mask: NDArray[np.bool_] | None) -> Union
 
 def _with_heat(part: object, k: int) -> _native.Prepared:
     """A part with heat: all of it, or the vertices that stand beside it, with labels or without."""
-    rows = part[1:] if isinstance(part, tuple) and len(part) in (2, 3) else ()
+    # Faces have two axes, and vertices that take part one: (points, faces) is a mesh.
+    has_rows = isinstance(part, tuple) and len(part) in (2, 3) and depth(part[1]) != 2
+    rows = part[1:] if has_rows and isinstance(part, tuple) else ()
     domain = as_domain(part[0] if rows and isinstance(part, tuple) else part)
     prepared = domain if isinstance(domain, Decomposer) else prepare_decomposer(domain, "surface")
     if prepared.chooses_operator:
@@ -124,6 +127,8 @@ def union(parts: Iterable[object]) -> UnionDecomposer:
     >>> values = np.random.default_rng(0).normal(size=both.n_vertices)
     >>> smooth = both.smooth(values, fwhm=0.2)
     >>> bool(np.allclose(smooth[both.parts[0]], left.smooth(values[both.parts[0]], fwhm=0.2), atol=1e-8))
+    True
+    >>> aw.union([(left.points, left.faces), right]).n_vertices == both.n_vertices
     True
     >>> upper = np.flatnonzero(left.points[:, 2] > 0)
     >>> aw.union([(left, upper), aw.grid(np.zeros((5, 6, 7)))]).parts
