@@ -312,8 +312,8 @@ def _find(shape: object, faces: object) -> Found:
         found = by_names(shape)
     else:
         raise TypeError(
-            f"shape: cannot read {kind_of(shape)}; pass points, (points, faces), a scipy.sparse matrix, or a "
-            "mesh, cloud or graph of trimesh, PyVista, meshio, Open3D, NetworkX, igraph, nilearn, PyTorch Geometric, PyGSP or laspy"
+            f"shape: cannot read {kind_of(shape)}; pass points, (points, faces), a scipy.sparse matrix, or a mesh, cloud or "
+            "graph of trimesh, PyVista, meshio, Open3D, NetworkX, igraph, nilearn, PyTorch Geometric, PyGSP or laspy"
         )
     if faces is not None:
         if found.faces is not None or found.lines is not None or found.edges is not None:
