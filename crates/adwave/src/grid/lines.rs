@@ -12,6 +12,8 @@
 #![allow(clippy::inline_always)]
 
 use crate::{Cancelled, Progress, parallel};
+use pulp::Simd;
+use std::ops::Range;
 
 /// Lines that are solved together.
 const TOGETHER: usize = 8;
@@ -21,6 +23,10 @@ const AT_A_TIME: usize = 16;
 
 /// Fewest blocks of lines, one after another in memory, that are solved in place: enough for all threads.
 const FEWEST_BLOCKS: usize = 64;
+
+/// Fewest lines side by side that are solved in sections, and the values of a section: they stay in a cache.
+const NARROW: usize = 64;
+const SECTION: usize = 1 << 19;
 
 /// Values that a thread copies at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
@@ -135,7 +141,6 @@ impl<'a> Lines<'a> {
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         let Self { n, inner, kind } = *self;
-        let n_lines = values.len() / n;
         let time = self.time(time);
         let is_leveled = self.is_leveled(time);
         let weights: Vec<[f64; 2]> = match kind {
@@ -163,26 +168,57 @@ impl<'a> Lines<'a> {
                 }
             });
         }
-        let tile_len = n * TOGETHER;
-        let mut tiles = crate::pages::zeros(n_lines.div_ceil(TOGETHER) * tile_len);
-        let given: &[f64] = values;
-        parallel::try_visit_rows(&mut tiles, tile_len, AT_A_TIME, progress, |first, rows| {
-            let mut work = Work::new(n);
-            for (k, tile) in rows.chunks_exact_mut(tile_len).enumerate() {
-                self.read_tile(given, (first + k) * TOGETHER, tile);
-                solve.run(&mut work, tile);
-            }
-        })?;
-        parallel::try_visit_rows(values, 1, VALUES_AT_A_TIME, progress, |first, rows| {
-            let mut done = 0;
-            while done < rows.len() {
-                // Up to the end of the lines side by side at one place.
-                let (outer, rest) = ((first + done) / block, (first + done) % block);
-                let (at, line) = (rest / inner, outer * inner + rest % inner);
-                let (lane, from) = (line % TOGETHER, line / TOGETHER * tile_len + at * TOGETHER);
-                let n_here = (rows.len() - done).min(TOGETHER - lane).min(inner - rest % inner);
-                rows[done..done + n_here].copy_from_slice(&tiles[from + lane..][..n_here]);
-                done += n_here;
+        // Lines far apart in memory are solved in a buffer, a section of them after the other.
+        let (n_lines, tile_len) = (values.len() / n, n * TOGETHER);
+        let is_wide = inner >= NARROW;
+        let per_section =
+            if is_wide { (SECTION / n).next_multiple_of(TOGETHER).clamp(NARROW, inner) } else { n_lines };
+        let mut tiles = crate::pages::zeros(per_section.div_ceil(TOGETHER) * tile_len);
+        let mut first = 0;
+        while first < n_lines {
+            // Wide sections end where the lines side by side end.
+            let end = if is_wide { (first + per_section).min((first / inner + 1) * inner) } else { n_lines };
+            let n_tiles = (end - first).div_ceil(TOGETHER);
+            let given: &[f64] = values;
+            let tiles = &mut tiles[..n_tiles * tile_len];
+            parallel::try_visit_rows(tiles, tile_len, AT_A_TIME, progress, |k, rows| {
+                let mut work = Work::new(n);
+                for (k, tile) in (k..).zip(rows.chunks_exact_mut(tile_len)) {
+                    self.read_tile(given, first + k * TOGETHER, tile);
+                    solve.run(&mut work, tile);
+                }
+            })?;
+            self.write_section(tiles, first..end, values, progress)?;
+            first = end;
+        }
+        Ok(())
+    }
+
+    /// Copies the tiles of a section of lines to their places.
+    fn write_section(
+        &self,
+        tiles: &[f64],
+        lines: Range<usize>,
+        values: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        let Self { n, inner, .. } = *self;
+        let outer = lines.start / inner..lines.end.div_ceil(inner);
+        let values = &mut values[outer.start * n * inner..outer.end * n * inner];
+        let n_rows = (VALUES_AT_A_TIME / inner).max(1);
+        parallel::try_visit_rows(values, inner, n_rows, progress, |first, rows| {
+            for (row, values) in (first..).zip(rows.chunks_exact_mut(inner)) {
+                // Lines side by side at one place.
+                let (side, at) = ((outer.start + row / n) * inner, row % n);
+                let mut line = lines.start.max(side);
+                let end = lines.end.min(side + inner);
+                while line < end {
+                    let (tile, lane) = ((line - lines.start) / TOGETHER, (line - lines.start) % TOGETHER);
+                    let n_here = (TOGETHER - lane).min(end - line);
+                    let from = (tile * n + at) * TOGETHER + lane;
+                    values[line - side..][..n_here].copy_from_slice(&tiles[from..from + n_here]);
+                    line += n_here;
+                }
             }
         })
     }
@@ -286,6 +322,9 @@ enum Ends {
 struct Solver {
     /// Inverse pivots.
     pivots: Vec<Complex>,
+    /// Inverse pivots times the weight of the place before, and of the place after.
+    forward: Vec<Complex>,
+    back: Vec<Complex>,
     /// Solution for the corners of a ring, scaled; empty on a line.
     corner: Vec<Complex>,
     /// First entry of the row that a ring adds: −s/γ.
@@ -322,8 +361,14 @@ impl Solver {
             pivots.push(inverse((d.0 - product * less.0, d.1 - product * less.1)));
         }
         let double = multiply(residue, inverse(pole));
+        let times = |side: usize| {
+            pivots.iter().zip(weights).map(|(p, sides)| (sides[side] * p.0, sides[side] * p.1)).collect()
+        };
+        let (forward, back) = (times(0), times(1));
         let mut solver = Self {
             pivots,
+            forward,
+            back,
             corner: Vec::new(),
             corner_row: (-time * over.0, -time * over.1),
             weight: (2.0 * double.0, 2.0 * double.1),
@@ -353,7 +398,7 @@ impl Solver {
     }
 }
 
-/// [`Work::diffuse`] with the vectors of this machine.
+/// Replaces the lines of a tile by r(−sD) of them, with the vectors of this machine.
 struct DiffuseTile<'a> {
     work: &'a mut Work,
     tile: &'a mut [f64],
@@ -362,113 +407,164 @@ struct DiffuseTile<'a> {
     ends: Ends,
 }
 
-impl pulp::NullaryFnOnce for DiffuseTile<'_> {
+impl pulp::WithSimd for DiffuseTile<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
-        self.work.diffuse(self.tile, self.solvers, self.weights, self.ends);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { work, tile, solvers, weights, ends } = self;
+        let (values, work) = (S::as_mut_simd_f64s(tile).0, work.of_simd::<S>());
+        for side in 0..TOGETHER / S::F64_LANES {
+            let mut lines = LinesOfVector { simd, weights, values: &mut *values, side };
+            lines.differences(ends, &mut *work.right);
+            // The solves of a group take turns, so that none waits for the place before.
+            for group in solvers.chunks(GROUP) {
+                match group {
+                    [a, b, c, d] => lines.add_solutions([a, b, c, d], work.right, work.parts),
+                    [a, b, c] => lines.add_solutions([a, b, c], work.right, work.parts),
+                    [a, b] => lines.add_solutions([a, b], work.right, work.parts),
+                    _ => group.iter().for_each(|a| lines.add_solutions([a], work.right, work.parts)),
+                }
+            }
+        }
     }
 }
 
-/// Values of lines that are solved together, at one place.
-type Together = [f64; TOGETHER];
+/// Pairs of poles that are solved together: as many as the vectors of the machine hold.
+const GROUP: usize = 4;
 
-/// Buffers of a tile of lines.
+/// Buffers of a tile of lines, for [`TOGETHER`] of them or as many as a vector holds.
 struct Work {
     /// Right-hand sides sDx.
-    right: Vec<Together>,
-    real: Vec<Together>,
-    imaginary: Vec<Together>,
+    right: Vec<f64>,
+    /// Real and imaginary parts of the solutions of a group of pairs.
+    parts: Vec<f64>,
+}
+
+/// Buffers of as many lines as a vector of the machine holds.
+struct WorkOfSimd<'a, S: Simd> {
+    right: &'a mut [S::f64s],
+    parts: &'a mut [S::f64s],
 }
 
 impl Work {
     fn new(n: usize) -> Self {
-        let zeros = || vec![[0.0; TOGETHER]; n];
-        Self { right: zeros(), real: zeros(), imaginary: zeros() }
+        Self { right: vec![0.0; n * TOGETHER], parts: vec![0.0; 2 * GROUP * n * TOGETHER] }
     }
 
-    /// Replaces the lines of a tile, n × [`TOGETHER`], by r(−sD) of them.
     #[inline(always)]
-    fn diffuse(&mut self, tile: &mut [f64], solvers: &[Solver], weights: &[[f64; 2]], ends: Ends) {
-        let values = tile.as_chunks_mut::<TOGETHER>().0;
-        let n = values.len();
-        for k in 0..n {
-            let here = &values[k];
-            let before = if k > 0 {
-                &values[k - 1]
-            } else if ends == Ends::Joined {
-                &values[n - 1]
+    fn of_simd<S: Simd>(&mut self) -> WorkOfSimd<'_, S> {
+        let Self { right, parts } = self;
+        WorkOfSimd { right: S::as_mut_simd_f64s(right).0, parts: S::as_mut_simd_f64s(parts).0 }
+    }
+}
+
+/// As many lines as a vector of the machine holds, from lane `side` vectors on of a tile.
+struct LinesOfVector<'a, S: Simd> {
+    simd: S,
+    weights: &'a [[f64; 2]],
+    /// Values of the tile, n × vectors of [`TOGETHER`] lines.
+    values: &'a mut [S::f64s],
+    side: usize,
+}
+
+impl<S: Simd> LinesOfVector<'_, S> {
+    /// Vectors of a place of the tile.
+    const VECTORS: usize = TOGETHER / S::F64_LANES;
+
+    /// Computes sDx at all places.
+    #[inline(always)]
+    fn differences(&self, ends: Ends, out: &mut [S::f64s]) {
+        let &Self { simd, weights, side, .. } = self;
+        let n = weights.len();
+        let value = |k: usize| self.values[k * Self::VECTORS + side];
+        let (first, last) = if ends == Ends::Joined { (n - 1, 0) } else { (0, n - 1) };
+        let (mut before, mut here) = (value(first), value(0));
+        for (k, ([left, right], out)) in weights.iter().zip(out).enumerate() {
+            let after = if k + 1 < n { value(k + 1) } else { value(last) };
+            let (less, more) = (simd.sub_f64s(here, before), simd.sub_f64s(here, after));
+            *out = if ends == Ends::Weighted {
+                let less = simd.mul_f64s(simd.splat_f64s(*left), less);
+                simd.mul_add_f64s(simd.splat_f64s(*right), more, less)
             } else {
-                here
+                simd.mul_f64s(simd.splat_f64s(*left), simd.add_f64s(less, more))
             };
-            let after = if k + 1 < n {
-                &values[k + 1]
-            } else if ends == Ends::Joined {
-                &values[0]
-            } else {
-                here
-            };
-            let [left, right] = weights[k];
-            self.right[k] = if ends == Ends::Weighted {
-                std::array::from_fn(|l| left * (here[l] - before[l]) + right * (here[l] - after[l]))
-            } else {
-                std::array::from_fn(|l| left * ((here[l] - before[l]) + (here[l] - after[l])))
-            };
+            (before, here) = (here, after);
         }
-        for solver in solvers {
-            self.solve(solver, weights);
-            let (real, imaginary) = solver.weight;
-            for (values, (re, im)) in values.iter_mut().zip(self.real.iter().zip(&self.imaginary)) {
-                for (value, (re, im)) in values.iter_mut().zip(re.iter().zip(im)) {
-                    *value += real * re - imaginary * im;
+    }
+
+    /// Solves `(sD + z)u = right` for N poles, and adds the real parts of their weighted solutions to the values.
+    /// `parts` holds n × 2N vectors.
+    #[inline(always)]
+    fn add_solutions<const N: usize>(
+        &mut self,
+        solvers: [&Solver; N],
+        right: &[S::f64s],
+        parts: &mut [S::f64s],
+    ) {
+        let (simd, n) = (self.simd, self.weights.len());
+        let (right, parts) = (&right[..n], &mut parts[..2 * N * n]);
+        let pivots = solvers.map(|solver| &solver.pivots[..n]);
+        let zero = simd.splat_f64s(0.0);
+        let mut states = [[zero; 2]; N];
+        for (k, (right, parts)) in right.iter().zip(parts.chunks_exact_mut(2 * N)).enumerate() {
+            for p in 0..N {
+                let ((a, b), before) = (pivots[p][k], solvers[p].forward[k]);
+                let own = [a, b].map(|part| simd.mul_f64s(simd.splat_f64s(part), *right));
+                states[p] = self.multiply_add(before, states[p], own);
+                [parts[2 * p], parts[2 * p + 1]] = states[p];
+            }
+        }
+        let back = solvers.map(|solver| &solver.back[..n]);
+        let is_ring = solvers.iter().any(|solver| !solver.corner.is_empty());
+        for (k, parts) in parts.chunks_exact_mut(2 * N).enumerate().rev() {
+            let mut value = self.values[k * Self::VECTORS + self.side];
+            for p in 0..N {
+                if k + 1 < n {
+                    states[p] = self.multiply_add(back[p][k], states[p], [parts[2 * p], parts[2 * p + 1]]);
+                }
+                if is_ring {
+                    [parts[2 * p], parts[2 * p + 1]] = states[p];
+                } else {
+                    value = self.add_real_part(solvers[p].weight, states[p], value);
                 }
             }
+            self.values[k * Self::VECTORS + self.side] = value;
+        }
+        if is_ring {
+            self.add_rings(solvers, parts);
         }
     }
 
-    /// Solves `(sD + z)u = right` into the real and imaginary parts.
+    /// Adds the solutions of rings to the values, which are those of lines less a multiple of the corners' solution.
     #[inline(always)]
-    fn solve(&mut self, solver: &Solver, weights: &[[f64; 2]]) {
-        let n = self.right.len();
-        let (mut re, mut im) = ([0.0; TOGETHER], [0.0; TOGETHER]);
-        for (k, [before, _]) in weights.iter().enumerate() {
-            let (a, b) = solver.pivots[k];
-            for l in 0..TOGETHER {
-                let (x, y) = (self.right[k][l] + before * re[l], before * im[l]);
-                re[l] = a * x - b * y;
-                im[l] = a * y + b * x;
-            }
-            self.real[k] = re;
-            self.imaginary[k] = im;
-        }
-        for k in (0..n - 1).rev() {
-            let [_, after] = weights[k];
-            let (a, b) = (after * solver.pivots[k].0, after * solver.pivots[k].1);
-            for l in 0..TOGETHER {
-                let (x, y) = (re[l], im[l]);
-                re[l] = self.real[k][l] + (a * x - b * y);
-                im[l] = self.imaginary[k][l] + (a * y + b * x);
-            }
-            self.real[k] = re;
-            self.imaginary[k] = im;
-        }
-        if !solver.corner.is_empty() {
-            let (a, b) = solver.corner_row;
-            let last = (self.real[n - 1], self.imaginary[n - 1]);
-            let factor: [Complex; TOGETHER] = std::array::from_fn(|l| {
-                (
-                    self.real[0][l] + a * last.0[l] - b * last.1[l],
-                    self.imaginary[0][l] + a * last.1[l] + b * last.0[l],
-                )
-            });
+    fn add_rings<const N: usize>(&mut self, solvers: [&Solver; N], parts: &[S::f64s]) {
+        let (simd, n) = (self.simd, self.weights.len());
+        let part = |k: usize, p: usize| [parts[2 * (N * k + p)], parts[2 * (N * k + p) + 1]];
+        for (p, solver) in solvers.into_iter().enumerate() {
+            let factor = self.multiply_add(solver.corner_row, part(n - 1, p), part(0, p));
+            let less = factor.map(|part| simd.neg_f64s(part));
             for (k, corner) in solver.corner.iter().enumerate() {
-                for (l, factor) in factor.iter().enumerate() {
-                    let less = multiply(*factor, *corner);
-                    self.real[k][l] -= less.0;
-                    self.imaginary[k][l] -= less.1;
-                }
+                let solution = self.multiply_add(*corner, less, part(k, p));
+                let at = k * Self::VECTORS + self.side;
+                self.values[at] = self.add_real_part(solver.weight, solution, self.values[at]);
             }
         }
+    }
+
+    /// `a·x + y` of complex numbers.
+    #[inline(always)]
+    fn multiply_add(&self, (a, b): Complex, [re, im]: [S::f64s; 2], [x, y]: [S::f64s; 2]) -> [S::f64s; 2] {
+        let (simd, a, b) = (self.simd, self.simd.splat_f64s(a), self.simd.splat_f64s(b));
+        let (x, y) = (simd.mul_add_f64s(a, re, x), simd.mul_add_f64s(a, im, y));
+        [simd.negate_mul_add_f64s(b, im, x), simd.mul_add_f64s(b, re, y)]
+    }
+
+    /// `Re(a·x) + value`.
+    #[inline(always)]
+    fn add_real_part(&self, (a, b): Complex, [re, im]: [S::f64s; 2], value: S::f64s) -> S::f64s {
+        let simd = self.simd;
+        let value = simd.mul_add_f64s(simd.splat_f64s(a), re, value);
+        simd.negate_mul_add_f64s(simd.splat_f64s(b), im, value)
     }
 }
