@@ -165,15 +165,13 @@ fn join_series(fields: &mut [FieldInfo], file: &ShapeFile) {
 /// Values of a stored field of one channel, or of one channel of another, whose name is followed by the number of the
 /// channel; unknown values are NaN. `None` if there is no such field.
 fn stored_values(file: &ShapeFile, name: &str) -> Option<Vec<f64>> {
-    let (field, c) = match file.field(name).filter(|field| field.n_channels == 1) {
-        Some(field) => (field, 0),
-        None => {
-            let (stem, channel) = name.rsplit_once(' ')?;
-            let field = file.field(stem)?;
-            let channel = channel.parse::<usize>().ok()?.checked_sub(1);
-            (field, channel.filter(|&c| c < field.n_channels)?)
-        }
+    let single = file.field(name).filter(|field| field.n_channels == 1).map(|field| (field, 0));
+    let channel = || {
+        let (stem, channel) = name.rsplit_once(' ')?;
+        let (field, channel) = (file.field(stem)?, channel.parse::<usize>().ok()?);
+        channel.checked_sub(1).filter(|&c| c < field.n_channels).map(|c| (field, c))
     };
+    let (field, c) = single.or_else(channel)?;
     let mut values: Vec<f64> = (0..field.len()).map(|x| field.get(x, c)).collect();
     mark_unknown(&mut values, 1);
     Some(values)
