@@ -17,6 +17,7 @@ use adwave_io::{
     Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, WriteError,
     mark_unknown,
 };
+use rayon::prelude::*;
 use std::ops::Range;
 use std::path::Path;
 
@@ -54,8 +55,11 @@ impl Columns {
             Self::Array(columns) => Ok(columns.read(channels, progress)?),
             Self::OfGrid => {
                 let field = file.field(GRID_VALUES).expect("an image or a volume has values");
-                let row = |i: usize| channels.clone().map(move |c| field.get(i, c));
-                Ok((0..field.len()).flat_map(row).collect())
+                let mut values = vec![0.0; field.len() * channels.len()];
+                values.par_chunks_exact_mut(channels.len()).enumerate().for_each(|(i, row)| {
+                    row.iter_mut().zip(channels.clone()).for_each(|(value, c)| *value = field.get(i, c));
+                });
+                Ok(values)
             }
         }
     }
@@ -117,12 +121,14 @@ impl Values {
             Self::Double(values) => values.len() / n_channels,
         };
         let width = group.len() / n_rows;
-        for (row, values) in group.chunks_exact(width).enumerate() {
-            let range = row * n_channels + at..row * n_channels + at + width;
-            match self {
-                Self::Single(all) => all[range].iter_mut().zip(values).for_each(|(a, v)| *a = *v as f32),
-                Self::Double(all) => all[range].copy_from_slice(values),
-            }
+        let rows = group.par_chunks_exact(width);
+        match self {
+            Self::Single(all) => rows.zip(all.par_chunks_exact_mut(n_channels)).for_each(|(values, row)| {
+                row[at..at + width].iter_mut().zip(values).for_each(|(a, v)| *a = *v as f32);
+            }),
+            Self::Double(all) => rows
+                .zip(all.par_chunks_exact_mut(n_channels))
+                .for_each(|(values, row)| row[at..at + width].copy_from_slice(values)),
         }
     }
 
