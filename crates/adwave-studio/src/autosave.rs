@@ -56,8 +56,10 @@ impl Autosave {
     /// Stores a file of values for the next session.
     pub(crate) fn write_field_file(&self, name: &str, content: &[u8]) -> Result<(), ApiError> {
         let write = || {
-            std::fs::create_dir_all(self.fields_folder())?;
-            std::fs::write(self.fields_folder().join(name), content)
+            create_private_folder(&self.fields_folder())?;
+            let path = self.fields_folder().join(name);
+            std::fs::write(&path, content)?;
+            make_private(&path)
         };
         write().map_err(|e| {
             let message = "the field cannot be stored for the next session";
@@ -74,11 +76,31 @@ impl Autosave {
             ApiError::new(axum::http::StatusCode::INSUFFICIENT_STORAGE, format!("{message}: {e}"))
         };
         if let Some(folder) = self.path.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| to_error(&e))?;
+            create_private_folder(folder).map_err(|e| to_error(&e))?;
         }
         let text = serde_json::to_vec(&content).map_err(|e| to_error(&e))?;
-        atomic_write(&self.path, |file| Ok(file.write_all(&text)?)).map_err(|e| to_error(&e))
+        atomic_write(&self.path, |file| Ok(file.write_all(&text)?)).map_err(|e| to_error(&e))?;
+        make_private(&self.path).map_err(|e| to_error(&e))
     }
+}
+
+/// Creates a folder that only its owner can open, with those above it; existing ones stay as they are.
+fn create_private_folder(folder: &Path) -> std::io::Result<()> {
+    let mut builder = std::fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(folder)
+}
+
+/// Lets only the owner read a file.
+#[cfg_attr(not(unix), allow(clippy::unnecessary_wraps))]
+fn make_private(path: &Path) -> std::io::Result<()> {
+    #[cfg(unix)]
+    std::fs::set_permissions(path, std::os::unix::fs::PermissionsExt::from_mode(0o600))?;
+    #[cfg(not(unix))]
+    let _ = path;
+    Ok(())
 }
 
 /// Default folder of stored edits, by the conventions of the operating system.

@@ -318,6 +318,12 @@ fn values_over_time_are_frames_of_a_series() {
     let error = studio.ask("GET", "/api/shapes/1/field?name=saliency&of=series", b"");
     assert_eq!(error.status, 400);
     assert!(error.error().contains("no frame of a series"));
+    // Nobody else can read what was edited.
+    #[cfg(unix)]
+    for entry in std::fs::read_dir(&kept).unwrap().map(Result::unwrap) {
+        let mode = std::os::unix::fs::PermissionsExt::mode(&entry.metadata().unwrap().permissions());
+        assert_eq!(mode & 0o077, 0, "{:?}", entry.path());
+    }
     // They are there on the next visit; named columns are no series.
     studio.ask("POST", "/api/shapes/1/fields?name=two.csv", two_columns(n).as_bytes());
     studio.end();
