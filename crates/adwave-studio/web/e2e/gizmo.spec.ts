@@ -152,8 +152,8 @@ test.describe
       const pick = async () => {
         await page.mouse.click(x, y);
         await page.waitForTimeout(200);
-        await page.locator('output.feature').waitFor();
-        return page.locator('output.feature').textContent();
+        await page.locator('.card output').waitFor();
+        return page.locator('.card output').textContent();
       };
       const whole = await pick();
       const clip = page.getByRole('group', { name: 'Clip', exact: true });

@@ -69,6 +69,8 @@ function bandColumn(studio: Studio, mute: Mute, { level, sigma }: Level, refresh
     disabled: true,
     oninput: () => setGain(studio, level, gainOf(input.valueAsNumber), false),
     onchange: () => studio.history.end(),
+    // A drag that ends where it began changes nothing, and the browser tells no change.
+    onpointerup: () => studio.history.end(),
     ondblclick: () => setGain(studio, level, 1, true),
     // On a focused slider these letters are its buttons, which are no tab stops.
     onkeydown: (event: KeyboardEvent) => {
@@ -93,6 +95,8 @@ function bandColumn(studio: Studio, mute: Mute, { level, sigma }: Level, refresh
         setGain(studio, level, gain, true);
       else studio.showMessage(text.badGain(GREATEST_TYPED), 'error');
       refresh();
+      // The gain that holds is shown although the field has the focus.
+      number.value = gainText(studio.layer.gains[level - 1] ?? 1);
     },
   });
   const meter = h('i', { class: 'meter' });

@@ -7,7 +7,7 @@ import { check, chooseFile, download, h, iconButton } from './dom';
 import { framesOf } from './frames';
 import { pictureWithLegend } from './picture';
 import type { Edit, ReadableFormat, Shape } from './protocol';
-import { toEdit } from './state';
+import { areNeutral, isNeutral, toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 import { toolSections } from './tools';
@@ -325,10 +325,7 @@ export class Files {
       const extension = format.value;
       download(await studio.api.fieldFile(shape.id, name, extension), `${name}-edited.${extension}`);
     });
-    const recipe = save(async () => {
-      const content = await studio.api.recipe(shape.id, name);
-      download(new Blob([content], { type: 'application/toml' }), `${name}.toml`);
-    });
+    const recipe = () => this.downloadRecipe(shape, name);
     return [
       h('h3', {}, text.fieldValues(name)),
       h(
@@ -341,14 +338,26 @@ export class Files {
     ];
   }
 
+  /** Downloads the recipe of a field, or of the positions (`null`). */
+  private downloadRecipe(shape: Shape, field: string | null): void {
+    const { studio } = this;
+    void this.reportErrors(async () => {
+      await studio.saver?.waitUntilSent();
+      const recipe = await studio.api.recipe(shape.id, field);
+      download(new Blob([recipe], { type: 'application/toml' }), `${field ?? this.stem}.toml`);
+    });
+  }
+
   private recipeSection(shape: Shape, close: () => void): Node[] {
     const { studio } = this;
-    const downloadRecipe = () =>
-      void this.reportErrors(async () => {
-        await studio.saver?.waitUntilSent();
-        const recipe = await studio.api.recipe(shape.id, null);
-        download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
-      });
+    // Positions that are not edited have no recipe; that of the shown field is among its values.
+    const edited = studio.doc.fields.filter((f) => !areNeutral(f.layers)).map((f) => f.field);
+    const names: (string | null)[] = isNeutral(studio.doc) && edited.length > 0 ? edited : [null];
+    const downloads = names
+      .filter((name) => name === null || name !== studio.shownField)
+      .map((name) =>
+        button(name === null ? text.recipeSave : text.recipeOf(name), () => this.downloadRecipe(shape, name)),
+      );
     const openRecipe = () =>
       chooseFile('.toml', (file) => {
         close();
@@ -357,12 +366,7 @@ export class Files {
     return [
       h('h3', {}, text.recipe),
       h('p', {}, text.recipeNote),
-      h(
-        'div',
-        { class: 'row' },
-        button(text.recipeSave, downloadRecipe),
-        button(text.recipeOpen, openRecipe),
-      ),
+      h('div', { class: 'row' }, ...downloads, button(text.recipeOpen, openRecipe)),
     ];
   }
 

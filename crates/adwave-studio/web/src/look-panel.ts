@@ -4,7 +4,7 @@ import { type Clip, parseClip } from './clip';
 import { coloring } from './coloring';
 import { check, h, iconButton, segments, slider } from './dom';
 import { formatCount, formatNumber } from './lengths';
-import type { Feature } from './protocol';
+import type { Feature, Shape } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -20,6 +20,8 @@ export interface LookPanel {
   panel: HTMLElement;
   legend: HTMLElement;
   frames: HTMLElement;
+  /** Facts about a clicked place. */
+  card: HTMLElement;
   readouts: HTMLElement;
   divider: HTMLElement;
   style(next: Style): void;
@@ -71,17 +73,38 @@ function styleControl(studio: Studio) {
   return { buttons: styleButtons, points, setStyle, cycle };
 }
 
-/** Creates the switch for features, and the output for a clicked feature or vertex. */
-function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => string): HTMLElement[] {
+/** Creates the switch for features, and the card over the picture about a clicked feature or vertex. */
+function featureControls(
+  studio: Studio,
+  stage: Stage,
+  valueAt: (v: number) => string,
+): { controls: HTMLElement[]; card: HTMLElement } {
   const { view } = studio;
   /** All features of the shape, and those that are shown. */
   let found: Feature[] = [];
   let features: Feature[] = [];
   /** Place of the last click, from which the next one is measured. */
   let lastPlace: number[] | null = null;
-  const featureList = h('output', { class: 'feature', hidden: true });
+  const facts = h('output', {});
+  const card = h(
+    'div',
+    { class: 'card', hidden: true },
+    facts,
+    iconButton('close', text.closeCard, () => closeCard()),
+  );
+  const closeCard = () => {
+    card.hidden = true;
+    view.showMark(null);
+  };
+  const showCard = (lines: readonly HTMLElement[], place: readonly number[] | null) => {
+    facts.replaceChildren(...lines);
+    card.hidden = false;
+    view.showMark(place);
+  };
+  // What it says about a place is no longer true.
+  studio.on(['moved', 'fieldEdited'], closeCard);
   const setFeatures = (on: boolean) => {
-    featureList.hidden = true;
+    closeCard();
     if (!on) {
       found = [];
       features = [];
@@ -131,7 +154,7 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
     lastPlace = null;
     threshold.hidden = true;
     featureBox.querySelector('input')!.checked = false;
-    featureList.hidden = true;
+    closeCard();
   });
   stage.onClick = (answer, x, y) => {
     let best: Feature | null = null;
@@ -147,25 +170,29 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
     }
     if (best) {
       const { vertex, sigma, strength, level } = best;
-      featureList.replaceChildren(
-        h('span', {}, text.feature(vertex, formatNumber(sigma), formatNumber(strength), level)),
-        h(
-          'button',
-          {
-            type: 'button',
-            onclick: () =>
-              studio.addLayer(text.layerName(studio.layers.length + 1), {
-                ball: { center: { vertex }, radius: sigma },
-              }),
-          },
-          text.layerHere,
-        ),
+      showCard(
+        [
+          h('div', {}, text.feature(vertex, formatNumber(sigma), formatNumber(strength), level)),
+          h(
+            'button',
+            {
+              type: 'button',
+              onclick: () =>
+                studio.addLayer(text.layerName(studio.layers.length + 1), {
+                  ball: { center: { vertex }, radius: sigma },
+                }),
+            },
+            text.layerHere,
+          ),
+        ],
+        null,
       );
-      featureList.hidden = false;
       return;
     }
-    featureList.hidden = true;
-    if (!answer.hit) return;
+    if (!answer.hit) {
+      closeCard();
+      return;
+    }
     const { vertex: v, point } = answer.hit;
     const { center } = studio.shape!;
     const place = point.map((x, c) => x + center[c]!);
@@ -176,10 +203,12 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
       text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
       distance === null ? '' : text.distance(formatNumber(distance, 4)),
     ];
-    featureList.replaceChildren(...lines.map((line) => h('div', {}, line)));
-    featureList.hidden = false;
+    showCard(
+      lines.filter((line) => line !== '').map((line) => h('div', {}, line)),
+      point,
+    );
   };
-  return [featureBox, threshold, featureList];
+  return { controls: [featureBox, threshold], card };
 }
 
 /** Creates the buttons for standard views, and the settings of the camera. */
@@ -355,7 +384,7 @@ function createReadouts(studio: Studio): HTMLElement {
     const { displacement: moved } = studio;
     const pair = (name: string, value: string) => h('div', {}, h('dt', {}, name), h('dd', {}, value));
     const percent = (x: number) => ` (${formatNumber((100 * x) / shape.diagonal, 2)} %)`;
-    const items = [pair(text.vertices, formatCount(shape.n_vertices))];
+    const items = [pair(shape.kind === 'cloud' ? text.points : text.vertices, formatCount(shape.n_vertices))];
     if (studio.target !== null) {
       const { change } = studio.fieldEditor;
       items.push(pair(text.fieldGreatest, change ? formatNumber(change.greatest) : '–'));
@@ -383,16 +412,29 @@ function createReadouts(studio: Studio): HTMLElement {
   return readouts;
 }
 
+/** Fields of scanners by which a cloud without colors is colored at first. */
+const OF_SCANNERS = ['classification', 'intensity', 'reflectance', 'scalar_Intensity'];
+
+/** Entry of the list of colors for a shape that is opened for the first time: the file's own, if it has any. */
+export function ownColors(shape: Shape | null): string | null {
+  if (!shape) return null;
+  const rgb = shape.fields.find((f) => f.rgb);
+  const names = rgb ? [rgb.name] : shape.kind === 'cloud' ? OF_SCANNERS : [];
+  const own = names.find((name) => shape.fields.some((f) => f.name === name));
+  return own === undefined ? null : `field-${own}`;
+}
+
 export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const style = styleControl(studio);
   const colors = coloring(studio);
+  const features = featureControls(studio, stage, colors.valueAt);
   const clip = clipControls(studio);
   let recalled: string | null = null;
   let recalledTarget: string | null = null;
   const showLook = (memory: ViewMemory | null) => {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
     clip.set(parseClip(memory?.clip));
-    recalled = memory?.colors ?? null;
+    recalled = memory?.colors ?? ownColors(studio.shape);
     recalledTarget = memory?.target ?? null;
   };
   studio.shownView = {
@@ -416,8 +458,10 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   };
   studio.on('shape', () => showLook(recallView(studio.shape!)));
   const recallColors = () => {
-    // Displacements and sizes of bands need all bands.
-    if (recalled === null || studio.loadedBands.size < studio.nLevels) return;
+    if (recalled === null) return;
+    // Displacements, sizes of bands and what is computed from the edited shape need all bands.
+    const isEdited = studio.shape?.fields.find((f) => recalled === `field-${f.name}`)?.edited ?? true;
+    if ((isEdited || recalledTarget !== null) && studio.loadedBands.size < studio.nLevels) return;
     colors.show(recalled);
     recalled = null;
     if (recalledTarget !== null) studio.showTarget(recalledTarget);
@@ -434,7 +478,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     style.buttons,
     style.points,
     ...colors.controls,
-    ...featureControls(studio, stage, colors.valueAt),
+    ...features.controls,
     ...clip.controls,
     ...cameraControls(studio),
   );
@@ -442,6 +486,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     panel,
     legend: colors.legend,
     frames: colors.frames,
+    card: features.card,
     readouts: createReadouts(studio),
     divider,
     style: style.setStyle,

@@ -107,7 +107,9 @@ function saveStatus(studio: Studio, files: Files) {
       offline: text.offline,
       ended: text.offline,
     };
-    saving.textContent = labels[state] ?? '';
+    // Nothing was saved before the first step.
+    const isUntouched = state === 'saved' && !studio.history.canUndo && !studio.shape?.resumed;
+    saving.textContent = isUntouched ? '' : (labels[state] ?? '');
     saving.dataset['state'] = state;
     banner.hidden = !['offline', 'ended', 'conflict'].includes(state);
     if (state === 'offline' || state === 'ended') {
@@ -269,6 +271,7 @@ export function start(options: StartOptions): void {
     new Gizmo(studio, stage).element,
     look.divider,
     look.readouts,
+    look.card,
     look.legend,
     look.frames,
     scaleBar(view),
@@ -303,6 +306,8 @@ export function start(options: StartOptions): void {
   files.acceptDrops(app);
   announceShapes(studio);
   window.addEventListener('pagehide', () => {
+    // A gesture that is not over becomes a step.
+    studio.history.end();
     studio.saver?.flush();
     studio.session.storeHistory();
   });

@@ -24,6 +24,8 @@ export class Overlays {
   private readonly balls: Balls;
   /** Pins and handles of a pose, which are seen through the surface. */
   private readonly handles: Balls;
+  /** Place of the last click. */
+  private readonly mark: Balls;
   private readonly lines = new BufferGeometry();
   private wires: Lines | null = null;
   private edgeInk: Ink = [0, 0, 0];
@@ -43,7 +45,10 @@ export class Overlays {
     this.handles.material.depthTest = false;
     this.handles.material.uniforms['smallest']!.value = 14;
     this.handles.renderOrder = 3;
-    scene.add(this.balls, this.handles);
+    this.mark = coloredBalls([0.85, 0.1, 0.45], [0.85, 0.1, 0.45], this.clip);
+    this.mark.material.uniforms['smallest']!.value = 11;
+    this.mark.renderOrder = 3;
+    scene.add(this.balls, this.handles, this.mark);
   }
 
   setInk(ring: Ink, edges: Ink): void {
@@ -98,19 +103,12 @@ export class Overlays {
 
   /** Shows balls of a fixed size: positions, and for each 1 for a handle and −1 for a pin. */
   showHandles(places: readonly number[], signs: readonly number[]): void {
-    this.handles.visible = signs.length > 0;
-    this.handles.geometry.dispose();
-    this.handles.geometry = new BufferGeometry();
-    const set = (name: string, values: readonly number[], itemSize: number) =>
-      this.handles.geometry.setAttribute(name, new BufferAttribute(Float32Array.from(values), itemSize));
-    set('position', places, 3);
-    // The shader enlarges points without a size to the smallest one.
-    set(
-      'size',
-      signs.map(() => 0),
-      1,
-    );
-    set('sign', signs, 1);
+    placeBalls(this.handles, places, signs);
+  }
+
+  /** Marks the place of a click; `null` removes the mark. */
+  showMark(place: readonly number[] | null): void {
+    placeBalls(this.mark, place ?? [], place ? [1] : []);
   }
 
   setEdges(pairs: Uint32Array): void {
@@ -142,6 +140,7 @@ export class Overlays {
     this.lines.setIndex(null);
     this.showFeatures([], 1);
     this.showHandles([], []);
+    this.showMark(null);
     this.showRing(null, null);
   }
 }
@@ -165,6 +164,23 @@ function coloredBalls(high: Ink, low: Ink, clip: Vector4): Balls {
   balls.frustumCulled = false;
   balls.visible = false;
   return balls;
+}
+
+/** Shows balls of a fixed size at places, with a sign for each that chooses its color. */
+function placeBalls(balls: Balls, places: readonly number[], signs: readonly number[]): void {
+  balls.visible = signs.length > 0;
+  balls.geometry.dispose();
+  balls.geometry = new BufferGeometry();
+  const set = (name: string, values: readonly number[], itemSize: number) =>
+    balls.geometry.setAttribute(name, new BufferAttribute(Float32Array.from(values), itemSize));
+  set('position', places, 3);
+  // The shader enlarges points without a size to the smallest one.
+  set(
+    'size',
+    signs.map(() => 0),
+    1,
+  );
+  set('sign', signs, 1);
 }
 
 function ink(lines: Lines): Vector4 {

@@ -310,7 +310,12 @@ export class History {
     const start = this.start;
     this.start = null;
     if (!start || start === this.doc) return;
-    if (sameEdit(start, this.doc)) return; // the gesture returned to its start: no step
+    if (sameEdit(start, this.doc)) {
+      // The gesture returned to its start: no step.
+      this.doc = start;
+      this.changed(false);
+      return;
+    }
     this.past.push(start);
     this.future = [];
     this.changed(true);

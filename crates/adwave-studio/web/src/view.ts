@@ -267,6 +267,12 @@ export class View {
     this.request();
   }
 
+  /** Marks the place of a click; `null` removes the mark. */
+  showMark(place: readonly number[] | null): void {
+    this.overlays.showMark(place);
+    this.request();
+  }
+
   showFeatures(features: readonly Feature[], radii: number): void {
     this.overlays.showFeatures(features, radii);
     this.request();
