@@ -270,7 +270,7 @@ fn npy(values: &[f64], n_frames: usize) -> Vec<u8> {
 #[test]
 fn values_over_time_are_frames_of_a_series() {
     let folder = TempDir::new().unwrap();
-    let path = creature(&folder, 800);
+    let path = creature(&folder, 2500);
     let kept = folder.path().join("kept");
     let studio = Studio::on(&path, &kept);
     let n = opened(&path).file.n_vertices();
@@ -352,7 +352,7 @@ fn two_columns(n: usize) -> String {
 #[test]
 fn channels_of_a_field_of_the_file_are_frames() {
     let folder = TempDir::new().unwrap();
-    let mut file = opened(&creature(&folder, 300)).file;
+    let mut file = opened(&creature(&folder, 2000)).file;
     let n = file.n_vertices();
     let flow: Vec<f32> = (0..3 * n).map(|k| k as f32).collect();
     file.add_vertex_field(Field::new("flow", 3, FieldValues::F32(flow))).unwrap();

@@ -413,7 +413,7 @@ impl pulp::WithSimd for DiffuseTile<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { work, tile, solvers, weights, ends } = self;
-        let (values, work) = (S::as_mut_simd_f64s(tile).0, work.of_simd::<S>());
+        let (values, work) = (S::as_mut_simd_f64s(tile).0, work.vectors::<S>());
         for side in 0..TOGETHER / S::F64_LANES {
             let mut lines = LinesOfVector { simd, weights, values: &mut *values, side };
             lines.differences(ends, &mut *work.right);
@@ -453,7 +453,7 @@ impl Work {
     }
 
     #[inline(always)]
-    fn of_simd<S: Simd>(&mut self) -> WorkOfSimd<'_, S> {
+    fn vectors<S: Simd>(&mut self) -> WorkOfSimd<'_, S> {
         let Self { right, parts } = self;
         WorkOfSimd { right: S::as_mut_simd_f64s(right).0, parts: S::as_mut_simd_f64s(parts).0 }
     }

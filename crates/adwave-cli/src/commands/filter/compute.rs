@@ -355,11 +355,11 @@ impl SignalChange {
 
     pub(super) fn new(before: &[f64], after: &[f64]) -> Self {
         let parts = before.par_chunks(VALUES_AT_A_TIME).zip(after.par_chunks(VALUES_AT_A_TIME));
-        let parts: Vec<Self> = parts.map(|(before, after)| Self::of_part(before, after)).collect();
+        let parts: Vec<Self> = parts.map(|(before, after)| Self::measure(before, after)).collect();
         parts.into_iter().reduce(Self::plus).unwrap_or_default()
     }
 
-    fn of_part(before: &[f64], after: &[f64]) -> Self {
+    fn measure(before: &[f64], after: &[f64]) -> Self {
         let known = || before.iter().zip(after).filter(|(a, b)| !(a.is_nan() || b.is_nan()));
         let max = known().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let n_changed = known().filter(|(a, b)| a != b).count();
