@@ -42,12 +42,12 @@ pub(crate) struct FieldInfo {
     unit: String,
     origin: FieldOrigin,
     diverging: bool,
-    series: Option<Series>,
+    series: Option<FieldSeries>,
 }
 
-/// Series that a field is a frame of; its frames are listed in order.
+/// FieldSeries that a field is a frame of; its frames are listed in order.
 #[derive(Clone, Debug, PartialEq)]
-struct Series {
+struct FieldSeries {
     name: String,
     /// Seconds from one frame to the next, if the file says so.
     step: Option<f64>,
@@ -149,7 +149,7 @@ fn join_series(fields: &mut [FieldInfo], file: &ShapeFile) {
         let end = (start..fields.len()).find(|&k| !is_next(k)).unwrap_or(fields.len());
         let name = stem.trim_end_matches([' ', '_', '-', '.', ':']);
         let stored = file.field(name).or_else(|| file.field(&fields[start].name));
-        let series = Series {
+        let series = FieldSeries {
             name: if name.is_empty() { stem.clone() } else { name.to_owned() },
             step: stored.and_then(|field| field.frame_step),
         };
