@@ -45,7 +45,7 @@ pub(crate) struct FieldInfo {
     series: Option<FieldSeries>,
 }
 
-/// FieldSeries that a field is a frame of; its frames are listed in order.
+/// Series that a field is a frame of; its frames are listed in order.
 #[derive(Clone, Debug, PartialEq)]
 struct FieldSeries {
     name: String,
