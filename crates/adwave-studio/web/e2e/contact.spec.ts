@@ -1,4 +1,4 @@
-/** What someone sees who opens a shape and tries things: its colors, facts about places, and fields that say no. */
+/** First contact with a shape: its colors, facts about places, and gains that are refused. */
 
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
