@@ -136,7 +136,7 @@ test.describe
       await page.locator('.tab.here', { hasText: 'colored.ply' }).waitFor();
       await waitForBands(page, 3);
       await expect(page.locator('.readouts')).toContainText('Points');
-      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
       await expect(page.getByLabel('Colors')).toHaveValue('field-color');
       await page.waitForTimeout(400);
       await page.screenshot({ path: join(OUT, '41-colored-cloud.png') });

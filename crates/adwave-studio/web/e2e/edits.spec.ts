@@ -170,7 +170,7 @@ test('a deleted layer frees its mask, and undo brings both back', async () => {
   const [before, painted, sum] = [await masks(), await mask(), await positionSum(page)];
   expect(painted.filter((w) => w > 0).length).toBeGreaterThan(20);
   const { layers } = await currentEdit(page);
-  await page.getByRole('button', { name: 'Layers', exact: true }).first().click();
+  await page.getByRole('tab', { name: 'Layers', exact: true }).click();
   for (const step of ['deleted', 'undone', 'deleted again', 'undone again']) {
     if (step.startsWith('deleted')) {
       await page

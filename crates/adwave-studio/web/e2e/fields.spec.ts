@@ -330,7 +330,7 @@ test.describe
       await expect(
         page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),
       ).toHaveText('Positions');
-      await page.getByRole('button', { name: 'Layers', exact: true }).first().click();
+      await page.getByRole('tab', { name: 'Layers', exact: true }).click();
       await page.getByLabel('Where').first().selectOption('field');
       await page.waitForTimeout(300);
       await expect(page.locator('.toasts')).toContainText(/no value/);
@@ -376,7 +376,7 @@ test.describe
       expect((await page.locator('canvas.picture').screenshot()).equals(first), 'other colors').toBe(false);
       expect(await legendNumbers(), 'the colors keep their meaning').toBe(numbers);
       await page.screenshot({ path: join(OUT, '23-frames.png') });
-      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
       const entries = await page.getByLabel('Colors').locator('option').allInnerTexts();
       expect(entries.filter((entry) => entry.startsWith('wave'))).toEqual(['wave (80 frames)']);
     });
@@ -414,7 +414,7 @@ test.describe
       const [frames, legend, scale] = boxes.map((box) => box!);
       expect(legend!.y + legend!.height, 'the legend is above').toBeLessThanOrEqual(frames!.y);
       expect(scale!.y + scale!.height, 'so is the scale').toBeLessThanOrEqual(frames!.y);
-      await page.getByRole('button', { name: 'View', exact: true }).last().click();
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
       await page.getByLabel('Colors').selectOption('none');
       await expect(bar()).toBeHidden();
     });

@@ -147,7 +147,7 @@ test.describe
 
     test('a clipping plane cuts the picture and what is picked', async () => {
       await page.keyboard.press('1');
-      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
       const { x, y } = await pictureFrame(page);
       const pick = async () => {
         await page.mouse.click(x, y);
@@ -171,7 +171,7 @@ test.describe
       await page.keyboard.press('x');
       await page.reload();
       await waitUntilReady(page);
-      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
       await expect(clip.locator('[aria-pressed="true"]'), 'kept').toHaveText('z');
     });
 

@@ -104,13 +104,23 @@ function isOfShapes(effect: string): boolean {
 export function brushPanel(studio: Studio): HTMLElement {
   const toggle = h(
     'button',
-    { type: 'button', 'aria-pressed': 'false', onclick: () => studio.setBrush(!studio.isBrushOn) },
-    text.brushOn,
+    {
+      type: 'button',
+      'aria-pressed': 'false',
+      title: text.brushOn,
+      onclick: () => studio.setBrush(!studio.isBrushOn),
+    },
+    text.brush,
   );
   const grabToggle = h(
     'button',
-    { type: 'button', 'aria-pressed': 'false', onclick: () => studio.setGrab(!studio.isGrabOn) },
-    text.grabOn,
+    {
+      type: 'button',
+      'aria-pressed': 'false',
+      title: text.grabOn,
+      onclick: () => studio.setGrab(!studio.isGrabOn),
+    },
+    text.grab,
   );
   const radius = slider(
     text.radius,
@@ -121,17 +131,17 @@ export function brushPanel(studio: Studio): HTMLElement {
     },
   );
   radius.classList.add('radius');
-  const mode = segments(
+  const mode = segments<BrushMode>(
     text.brushMode,
     [
       ['add', text.add],
       ['subtract', text.subtract],
       ['smooth', text.smooth],
-    ] as const,
-    'add' as BrushMode,
+    ],
+    null,
     (m) => {
       brush.mode = m;
-      mode.set(m);
+      studio.setBrush(true);
     },
   );
   studio.on('tool', () => {
@@ -141,7 +151,7 @@ export function brushPanel(studio: Studio): HTMLElement {
     // A clone has its own soft edge, and undo takes it back.
     section.classList.toggle('cloning', brush.effect === 'clone');
     radius.set(brush.radius);
-    mode.set(brush.mode);
+    mode.set(studio.isBrushOn ? brush.mode : null);
   });
   const effects = (['smooth', 'enhance', 'flatten', 'match', 'clone', 'region'] as const).map((effect) =>
     h(
@@ -152,8 +162,7 @@ export function brushPanel(studio: Studio): HTMLElement {
         title: text.effectHints[effect],
         onclick: () => {
           brush.effect = effect;
-          if (!studio.isBrushOn) studio.setBrush(true);
-          else studio.emit('tool');
+          studio.setBrush(true);
         },
       },
       text.effects[effect],
@@ -164,11 +173,11 @@ export function brushPanel(studio: Studio): HTMLElement {
   const pick = h('button', { type: 'button', onclick: startPick }, text.pickDetail);
   studio.on('tool', () => {
     for (const b of effects) {
-      b.setAttribute('aria-pressed', String(b.dataset['effect'] === brush.effect));
+      b.setAttribute('aria-pressed', String(studio.isBrushOn && b.dataset['effect'] === brush.effect));
       b.hidden = studio.target !== null && isOfShapes(b.dataset['effect']!);
     }
-    effectHint.textContent = text.effectHints[brush.effect];
-    pick.hidden = brush.effect !== 'match' && brush.effect !== 'clone';
+    effectHint.textContent = studio.isBrushOn ? text.effectHints[brush.effect] : text.brushOff;
+    pick.hidden = !studio.isBrushOn || (brush.effect !== 'match' && brush.effect !== 'clone');
   });
   studio.on('target', () => {
     if (studio.target !== null && isOfShapes(brush.effect)) brush.effect = 'smooth';
@@ -194,7 +203,7 @@ export function brushPanel(studio: Studio): HTMLElement {
   falloff.classList.add('falloff');
   const section = h(
     'section',
-    { class: 'brush-panel', id: 'brush', 'aria-label': text.brush },
+    { class: 'brush-panel', id: 'brush', role: 'tabpanel', 'aria-label': text.brush },
     h('header', {}, h('h2', {}, text.brush)),
     h('div', { class: 'row tools' }, toggle, grabToggle),
     grabPanel(studio),

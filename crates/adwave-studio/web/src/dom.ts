@@ -68,19 +68,19 @@ export function iconButton(
   );
 }
 
-/** Creates a segmented control. */
+/** Creates a segmented control; with the value `null` nothing is chosen. */
 export function segments<T extends string>(
   label: string,
   choices: readonly (readonly [T, string])[],
-  value: T,
+  value: T | null,
   choose: (value: T) => void,
-): HTMLElement & { set(value: T): void } {
+): HTMLElement & { set(value: T | null): void } {
   const buttons = choices.map(([key, name]) =>
     h('button', { type: 'button', 'aria-pressed': String(key === value), onclick: () => choose(key) }, name),
   );
   const group = h('div', { class: 'segments', role: 'group', 'aria-label': label }, ...buttons);
   return Object.assign(group, {
-    set(next: T) {
+    set(next: T | null) {
       for (const [i, b] of buttons.entries()) b.setAttribute('aria-pressed', String(choices[i]![0] === next));
     },
   });

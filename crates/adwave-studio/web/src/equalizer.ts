@@ -11,14 +11,15 @@ import { text } from './text';
 
 /** Largest number of bands with their buttons side by side. */
 const MOST_WIDE = 16;
-/** Number of widths that fit side by side. */
-const MOST_LABELS = 18;
+/** Pixels between two widths side by side. */
+const LABEL_GAP = 4;
 
 interface BandColumn {
   root: HTMLElement;
   input: HTMLInputElement;
   number: HTMLInputElement;
   meter: HTMLElement;
+  sigma: HTMLElement;
   solo: HTMLButtonElement;
   mute: HTMLButtonElement;
 }
@@ -124,15 +125,16 @@ function bandColumn(studio: Studio, mute: Mute, { level, sigma }: Level, refresh
     },
     'M',
   );
+  const sigmaLabel = h('span', { class: 'sigma', title: text.sigma(size) }, size);
   const root = h(
     'div',
     { class: 'band', 'data-level': String(level) },
     number,
     h('div', { class: 'track' }, h('div', { class: 'rail' }, meter, h('i', { class: 'fill' })), input),
     h('div', { class: 'sm' }, soloButton, muteButton),
-    h('span', { class: 'sigma', title: text.sigma(size) }, size),
+    sigmaLabel,
   );
-  return { root, input, number, meter, solo: soloButton, mute: muteButton };
+  return { root, input, number, meter, sigma: sigmaLabel, solo: soloButton, mute: muteButton };
 }
 
 /** Lets the pointer draw a gain curve over the bands while `isDrawing` is true. */
@@ -273,10 +275,7 @@ export function equalizer(studio: Studio): HTMLElement {
     bands.replaceChildren(...columns.map((c) => c.root));
     bands.classList.toggle('many', columns.length > MOST_WIDE);
     bands.style.setProperty('--columns', String(columns.length));
-    // Labels of many bands would overlap: every second or third is shown, the others when their band is pointed at.
-    const step = Math.ceil(columns.length / MOST_LABELS);
-    for (const [j, c] of columns.entries())
-      c.root.classList.toggle('unlabeled', (columns.length - 1 - j) % step !== 0);
+    spaceLabels();
     presets.replaceChildren(
       h('option', { value: '' }, text.presets),
       ...(studio.shape?.presets ?? []).map((p, i) =>
@@ -285,6 +284,15 @@ export function equalizer(studio: Studio): HTMLElement {
     );
     enable();
     refresh();
+  }
+
+  /** Shows every second or third width if all would overlap, the others when their band is pointed at. */
+  function spaceLabels(): void {
+    const room = columns[0]?.root.offsetWidth;
+    if (!room) return;
+    const step = Math.ceil((Math.max(...columns.map((c) => c.sigma.offsetWidth)) + LABEL_GAP) / room);
+    for (const [j, c] of columns.entries())
+      c.root.classList.toggle('unlabeled', (columns.length - 1 - j) % step !== 0);
   }
 
   function enable(): void {
@@ -310,6 +318,7 @@ export function equalizer(studio: Studio): HTMLElement {
     () => columns,
     () => drawing,
   );
+  new ResizeObserver(spaceLabels).observe(bands);
   studio.on('levels', rebuild);
   studio.on('band', enable);
   studio.on(['doc', 'selected', 'solo', 'target'], refresh);

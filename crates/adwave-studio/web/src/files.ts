@@ -204,14 +204,15 @@ export class Files {
       ...this.downloadSection(shape, close),
       ...this.fieldSection(shape),
       ...this.recipeSection(shape, close),
-      // On wide screens the tools have a button of their own.
-      button(
-        text.tools,
-        () => {
+      // On wide screens these have buttons of their own.
+      h(
+        'div',
+        { class: 'row narrow-only' },
+        button(text.tools, () => {
           close();
           this.openTools();
-        },
-        'narrow-only',
+        }),
+        button(text.theme, () => this.studio.toggleTheme()),
       ),
       h('h3', {}, text.quit),
       h('p', {}, text.quitNote),

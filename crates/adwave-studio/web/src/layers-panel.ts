@@ -168,7 +168,7 @@ export function layersPanel(studio: Studio): HTMLElement {
   });
   return h(
     'section',
-    { class: 'layers-panel', id: 'layers', 'aria-label': text.layers },
+    { class: 'layers-panel', id: 'layers', role: 'tabpanel', 'aria-label': text.layers },
     h(
       'header',
       {},

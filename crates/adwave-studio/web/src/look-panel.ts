@@ -473,7 +473,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const { divider, toggleSplit } = wipe(studio);
   const panel = h(
     'section',
-    { class: 'look-panel', id: 'look', 'aria-label': text.look },
+    { class: 'look-panel', id: 'look', role: 'tabpanel', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
     style.buttons,
     style.points,

@@ -75,17 +75,12 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
   const bar = h(
     'header',
     { class: 'bar' },
-    h('strong', { class: 'brand' }, 'adwave'),
+    h('h1', {}, 'adwave'),
     files.tabs(),
     saving,
     h('span', { class: 'group' }, undo, redo),
     h('span', { class: 'group' }, before, split),
-    h(
-      'span',
-      { class: 'group' },
-      themeButton(view),
-      iconButton('help', text.help, showKeys, { class: 'icon wide-only' }),
-    ),
+    h('span', { class: 'group' }, themeButton(studio), iconButton('help', text.help, showKeys)),
     h('button', { type: 'button', class: 'wide-only', onclick: () => files.openTools() }, text.tools),
     h('button', { type: 'button', class: 'primary', onclick: () => files.openMenu() }, text.file),
   );
@@ -173,7 +168,9 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
     if (tab !== 'equalizer') app.dataset['side'] = tab;
     for (const b of buttons) {
       const chosen = b.dataset['group'] === 'side' ? app.dataset['side'] : app.dataset['tab'];
-      b.setAttribute('aria-pressed', String(b.dataset['tab'] === chosen));
+      const isChosen = b.dataset['tab'] === chosen;
+      b.setAttribute('aria-selected', String(isChosen));
+      b.tabIndex = isChosen ? 0 : -1;
     }
   };
   const buttons: HTMLButtonElement[] = [];
@@ -181,12 +178,31 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
     const made = tabs.map((id) =>
       h(
         'button',
-        { type: 'button', 'data-tab': id, 'data-group': group, onclick: () => show(id) },
+        {
+          type: 'button',
+          role: 'tab',
+          'aria-controls': id,
+          'data-tab': id,
+          'data-group': group,
+          onclick: () => show(id),
+        },
         text.tabs[id],
       ),
     );
     buttons.push(...made);
-    return h('nav', { class: `${group}-tabs`, 'aria-label': text.panels }, ...made);
+    const onkeydown = (event: KeyboardEvent) => {
+      const at = made.indexOf(event.target as HTMLButtonElement);
+      const next = { ArrowLeft: at - 1, ArrowRight: at + 1, Home: 0, End: -1 }[event.key];
+      if (next === undefined) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const button = made.at(next % made.length)!;
+      button.click();
+      button.focus();
+    };
+    const label = { 'aria-label': text.panels };
+    const list = h('div', { role: 'tablist', ...label, onkeydown }, ...made);
+    return h('nav', { class: `${group}-tabs`, ...label }, list);
   };
   const side = bar('side', ['layers', 'brush', 'look']);
   const sheet = bar('sheet', ['equalizer', 'layers', 'brush', 'look']);
@@ -288,7 +304,14 @@ export function start(options: StartOptions): void {
     bar,
     scene,
     equalizer(studio),
-    h('aside', { class: 'side' }, tabs.side, layersPanel(studio), brushPanel(studio), look.panel),
+    h(
+      'aside',
+      { class: 'side', 'aria-label': text.panels },
+      tabs.side,
+      layersPanel(studio),
+      brushPanel(studio),
+      look.panel,
+    ),
     tabs.sheet,
   );
   const fit = () => {
@@ -324,19 +347,20 @@ export function start(options: StartOptions): void {
 }
 
 /** Creates the button that switches between light and dark; the choice is remembered. */
-function themeButton(view: View): HTMLButtonElement {
+function themeButton(studio: Studio): HTMLButtonElement {
   const dark = matchMedia('(prefers-color-scheme: dark)');
   let chosen = localStorage.getItem('adwave-theme') as Theme | null;
   const apply = () => {
     const theme: Theme = chosen ?? (dark.matches ? 'dark' : 'light');
     document.documentElement.dataset['theme'] = theme;
-    view.setTheme(theme);
+    studio.view.setTheme(theme);
   };
   dark.addEventListener('change', apply);
   apply();
-  return iconButton('theme', text.theme, () => {
+  studio.toggleTheme = () => {
     chosen = document.documentElement.dataset['theme'] === 'dark' ? 'light' : 'dark';
     localStorage.setItem('adwave-theme', chosen);
     apply();
-  });
+  };
+  return iconButton('theme', text.theme, studio.toggleTheme, { class: 'icon wide-only' });
 }

@@ -58,8 +58,7 @@ export type Topic =
   | 'tint'
   | 'beside'
   | 'camera'
-  | 'solo'
-  | 'theme';
+  | 'solo';
 
 /** A link at the end of a message. */
 export interface MessageLink {
@@ -115,6 +114,8 @@ export class Studio {
   showField: (name: string) => void = () => {};
   /** Chooses an entry of the list of colors; set by the view. */
   showColors: (name: string) => void = () => {};
+  /** Changes between light and dark; set by the bar. */
+  toggleTheme: () => void = () => {};
   /** Camera, shading and colors; set by the panel of the view. */
   shownView: { get: () => ViewMemory; set: (view: ViewMemory) => void } | null = null;
   readonly timings = new Timings();

@@ -212,7 +212,8 @@ export const text = {
   },
   nothingToErase: 'There is nothing to erase or soften yet. Paint first.',
   brush: 'Brush',
-  brushOn: 'Paint (B)',
+  brushOn: 'Brush on or off (B)',
+  brushOff: 'Choose an effect and paint on the shape.',
   brushMode: 'Brush mode',
   add: 'Paint',
   subtract: 'Erase',
@@ -232,7 +233,7 @@ export const text = {
 
   // Grab
   grab: 'Grab',
-  grabOn: 'Grab (P)',
+  grabOn: 'Grab on or off (P)',
   grabMode: 'Grab mode',
   grabModes: [
     ['pull', 'Pull'],

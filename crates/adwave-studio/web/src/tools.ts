@@ -83,7 +83,7 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
     h(
       'div',
       { class: 'row' },
-      strength,
+      h('label', { class: 'field' }, h('span', {}, text.strength), strength),
       button(text.denoiseGo, () =>
         work(text.denoise, async (isCancelled) => {
           const before = (await studio.engine.call('positions', {})).positions;

@@ -27,7 +27,7 @@ export type Style = 'shaded' | 'matcap' | 'flat' | 'edges';
 export type Theme = 'light' | 'dark';
 
 const COLORS: Record<Theme, { surface: number; accent: number; paper: number; ink: number }> = {
-  light: { surface: 0xd9d7d2, accent: 0x0b6bcb, paper: 0xf4f4f2, ink: 0x1b1d20 },
+  light: { surface: 0xd9d7d2, accent: 0x0a62ba, paper: 0xf4f4f2, ink: 0x1b1d20 },
   dark: { surface: 0xbdbbb6, accent: 0x4aa3ff, paper: 0x17181a, ink: 0xf2f2f0 },
 };
 
