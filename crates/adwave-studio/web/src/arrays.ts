@@ -9,6 +9,7 @@ import { nearestVertex } from './compute/pick';
 import { setAttributeArray } from './geometry';
 import type { ReshapedBy } from './protocol';
 import { maskPacks } from './shader';
+import { turn } from './turns';
 import { VertexSubset } from './vertex-subset';
 
 /** Largest number of triangles drawn in full during motion, without and with a GPU. */
@@ -44,6 +45,8 @@ export class ShapeArrays {
   by: ReshapedBy | null = null;
   /** True if the original is colored by other numbers than the edited shape. */
   hasUneditedScalar = false;
+  /** Normals and displacements by the edit, turned back to rest, of the vertices that are drawn during a pull. */
+  private pulled: { normals: Int8Array; offsets: Float32Array } | null = null;
   private hasEdited = false;
   private hasComparison = false;
   private bands: Int16Array[] = [];
@@ -79,6 +82,7 @@ export class ShapeArrays {
     this.coarse?.base.geometry.dispose();
     this.coarse?.edited.geometry.dispose();
     this.coarse = null;
+    this.pulled = null;
     this.hasEdited = false;
     this.hasComparison = false;
     this.hasUneditedScalar = false;
@@ -123,6 +127,7 @@ export class ShapeArrays {
     this.coarse?.edited.copyAttribute('normal', normals, 4, true);
     this.hasEdited = true;
     this.live = false;
+    this.pulled = null;
     this.onChange();
   }
 
@@ -177,6 +182,55 @@ export class ShapeArrays {
       setAttributeArray(this.posed, 'position', bent.places, 3, false);
       setAttributeArray(this.posed, 'turn', bent.turns, 4, true);
     }
+  }
+
+  /** Keeps what turns with the shape while a handle is pulled: its normals, and how far the edit moves each vertex. */
+  startPull(): void {
+    const { drawn, originals } = this;
+    const shown = this.hasEdited ? this.edited : this.base;
+    const normals = shown.getAttribute('normal')?.array;
+    // The shape of a pull that has just ended is not computed yet.
+    if (!this.large || !normals || (this.live && this.pulled)) return;
+    const posed = this.by && (this.fewPosed ?? this.posed);
+    const turns = posed?.getAttribute('turn')?.array ?? null;
+    const rest = posed?.getAttribute('position')?.array ?? null;
+    const n = drawn?.length ?? this.n;
+    const pulled = { normals: new Int8Array(4 * n), offsets: new Float32Array(3 * n) };
+    const [offset, out] = [
+      [0, 0, 0],
+      [0, 0, 0],
+    ];
+    for (let k = 0; k < n; k++) {
+      const v = drawn ? drawn[k]! : k;
+      for (let c = 0; c < 3; c++)
+        offset[c] = this.places[3 * v + c]! - (rest ? rest[3 * k + c]! : originals[3 * v + c]!);
+      pulled.offsets.set(turn(turns, k, -1, offset, 0, out), 3 * k);
+      pulled.normals.set(turn(turns, k, -1, normals, 4 * v, out), 4 * k);
+    }
+    this.pulled = pulled;
+  }
+
+  /** True if the shape that is pulled has normals. */
+  get hasPulledNormals(): boolean {
+    return this.pulled !== null;
+  }
+
+  /** Largest and root mean square displacement of the vertices that are drawn while a handle is pulled. */
+  pulledBy({ places, turns }: Bent): { greatest: number; rms: number } | null {
+    const { drawn, originals, pulled } = this;
+    if (places.length !== pulled?.offsets.length) return null;
+    const offset = [0, 0, 0];
+    let [most, sum] = [0, 0];
+    const n = places.length / 3;
+    for (let k = 0; k < n; k++) {
+      const v = drawn ? drawn[k]! : k;
+      turn(turns, k, 1, pulled.offsets, 3 * k, offset);
+      let square = 0;
+      for (let c = 0; c < 3; c++) square += (places[3 * k + c]! + offset[c]! - originals[3 * v + c]!) ** 2;
+      most = Math.max(most, square);
+      sum += square;
+    }
+    return { greatest: Math.sqrt(most), rms: Math.sqrt(sum / n) };
   }
 
   /** Discards the edited shape, so that the original is shown. */
@@ -296,7 +350,10 @@ export class ShapeArrays {
     const summed = !before && this.live && this.nLevels > 0;
     if (summed && this.by) {
       const geometry = this.fewPosed ?? this.posed;
-      shareAttributes(geometry, this.fewPosed ? this.coarse!.base.geometry : this.base);
+      const { pulled } = this;
+      if (pulled) setAttributeArray(geometry, 'normal', pulled.normals, 4, true);
+      const of = this.fewPosed ? this.coarse!.base.geometry : this.base;
+      shareAttributes(geometry, of, pulled ? ['normal'] : []);
       return { geometry, summed, few: this.fewPosed !== null };
     }
     const which = !before && !summed && this.hasEdited ? 'edited' : 'base';

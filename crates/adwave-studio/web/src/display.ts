@@ -82,6 +82,10 @@ export class Display {
       if (generation === studio.session.generation && studio.isPulling) {
         view.arrays.setPosed(by, bent);
         view.markMoving();
+        const moved = view.arrays.pulledBy(bent);
+        // The volume is known when the handle is released.
+        if (moved) studio.displacement = { ...moved, volume: null };
+        studio.emit('moved');
         if (this.showLive(by)) {
           view.draw();
           if (began && timings.isEnabled) {

@@ -141,6 +141,7 @@ export class Grab {
     const pull = { handle, start, by: pose.handle[handle]!.by, from: camera.pointInPlane(start, x, y) };
     this.pull = pull;
     studio.isPulling = true;
+    studio.view.arrays.startPull();
     try {
       // Binds the shape, and finds out if it can be.
       const by = { clones: studio.doc.clones, pose };

@@ -394,7 +394,7 @@ function createReadouts(studio: Studio): HTMLElement {
     }
     items.push(pair(text.greatest, moved ? formatNumber(moved.greatest) + percent(moved.greatest) : '0'));
     items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
-    const volume = moved?.volume ?? (shape.volume === null ? null : [shape.volume, shape.volume]);
+    const volume = moved ? moved.volume : shape.volume === null ? null : [shape.volume, shape.volume];
     if (volume) {
       const [a, b] = volume as [number, number];
       const change = a === 0 ? 0 : (100 * (b - a)) / Math.abs(a);

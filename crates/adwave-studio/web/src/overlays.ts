@@ -61,9 +61,11 @@ export class Overlays {
     this.clip.set(...(equation ?? WHOLE));
   }
 
-  /** Pixels per model unit at distance 1. */
-  setPixels(pixels: number): void {
+  /** Sets the pixels per model unit at distance 1, and the pixels of the picture per pixel of the page. */
+  setPixels(pixels: number, ratio: number): void {
     this.balls.material.uniforms['pixels']!.value = pixels;
+    for (const { material } of [this.balls, this.handles, this.mark])
+      material.uniforms['ratio']!.value = ratio;
   }
 
   showRing(outer: Float32Array | null, inner: Float32Array | null): void {
@@ -154,6 +156,7 @@ function coloredBalls(high: Ink, low: Ink, clip: Vector4): Balls {
       fragmentShader: ballFragment,
       uniforms: {
         pixels: { value: 1 },
+        ratio: { value: 1 },
         smallest: { value: 8 },
         clip: { value: clip },
         high: { value: new Vector3(...high) },

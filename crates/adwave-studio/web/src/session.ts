@@ -38,11 +38,9 @@ export class Session {
     placeCamera(view.camera, shape);
     const coarsen = () => view.arrays.setCoarse(coarseTriangles(positions, triangles, COARSE));
     const few = view.arrays.heavy && shape.n_triangles > COARSE_FIRST;
-    if (few) {
-      // The coarse version is ready sooner; the full one is drawn when the page is at rest.
-      coarsen();
-      view.markMoving();
-    }
+    // The coarse version is ready sooner; the full one is drawn when the page is at rest.
+    if (few) coarsen();
+    view.markMoving();
     view.draw();
     if (!timings.records.firstPixels) {
       view.finish();

@@ -172,7 +172,8 @@ export const ballVertex = `precision highp float;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform float pixels; // pixels per model unit at distance 1
-uniform float smallest;
+uniform float smallest; // pixels of the page
+uniform float ratio;
 in vec3 position;
 in float size;
 in float sign;
@@ -182,7 +183,7 @@ void main() {
   vSign = sign;
   vModel = position;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-  gl_PointSize = clamp(size * pixels / gl_Position.w, smallest, 48.0);
+  gl_PointSize = clamp(size * pixels / gl_Position.w, smallest * ratio, 48.0 * ratio);
   gl_Position.z -= 0.002 * gl_Position.w;
 }`;
 

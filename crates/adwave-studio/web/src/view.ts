@@ -34,9 +34,9 @@ const COLORS: Record<Theme, { surface: number; accent: number; paper: number; in
 // Colors are sRGB values as in the style sheet; the shaders write them unchanged.
 ColorManagement.enabled = false;
 
-/** Pixel ratio of the picture while a large shape moves without a GPU. */
-const MOVING_RATIO = 0.6;
-/** Milliseconds after the last movement until all triangles are drawn again. */
+/** Pixel ratios of the picture without a GPU: while a large shape moves, while a small one does, and at rest. */
+const RATIOS = { large: 0.6, small: 1, rest: 2 };
+/** Milliseconds after the last movement until all triangles are drawn again, and the edges are smooth. */
 const REST = 160;
 
 export class View {
@@ -82,9 +82,9 @@ export class View {
     const info = gl.getExtension('WEBGL_debug_renderer_info');
     this.rendererName = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
     this.software = /llvmpipe|swiftshader|softpipe|software|basic render/i.test(this.rendererName);
-    // Without a GPU every pixel costs time. With one, 2 × 2 supersampling smooths the edges and needs less memory
-    // than multisampling.
-    this.renderer.setPixelRatio(this.software ? 1 : Math.max(2, Math.min(3, devicePixelRatio)));
+    // 2 × 2 supersampling smooths the edges and needs less memory than multisampling. Without a GPU every pixel costs
+    // time, and the picture is supersampled at rest only.
+    this.renderer.setPixelRatio(this.software ? RATIOS.small : Math.max(2, Math.min(3, devicePixelRatio)));
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = 'srgb-linear';
     this.arrays = new ShapeArrays(this.software, () => this.request());
@@ -290,7 +290,7 @@ export class View {
     window.clearTimeout(this.moving);
     this.moving = window.setTimeout(() => {
       this.moving = 0;
-      if (this.arrays.hasFew) this.request();
+      if (this.arrays.hasFew || this.software) this.request();
     }, REST);
     this.request();
   }
@@ -327,7 +327,7 @@ export class View {
     const part = this.halves === 'one' ? { width: width / ratio, height: height / ratio } : this.part;
     const perPixel = (part.height * ratio) / (2 * Math.tan((15 * Math.PI) / 180));
     this.materials.setPointSize(this.pointScale * this.pointSize * perPixel);
-    this.overlays.setPixels(perPixel);
+    this.overlays.setPixels(perPixel, ratio);
     // The lower left corner of the first half; rows are counted from below.
     const bottom = this.halves === 'below' ? part.height : 0;
     if (this.beside) renderer.setViewport(0, bottom, part.width, part.height);
@@ -357,7 +357,8 @@ export class View {
    */
   private setRatio(coarse: boolean): void {
     const now = this.renderer.getPixelRatio();
-    const ratio = !coarse ? 1 : this.moving !== 0 ? MOVING_RATIO : now;
+    const still = coarse ? now : RATIOS.rest;
+    const ratio = this.moving === 0 ? still : coarse ? RATIOS.large : RATIOS.small;
     if (now !== ratio) this.renderer.setPixelRatio(ratio);
   }
 
@@ -397,8 +398,8 @@ export class View {
       posed: summed && arrays.isPosed,
       cloud: arrays.cloud,
       clay: this.style === 'matcap',
-      // The normals of the original do not fit the sum.
-      flat: summed || this.style === 'flat' || !geometry.hasAttribute('normal'),
+      // The normals of the original do not fit the sum; while a handle is pulled, those of the edit turn with it.
+      flat: (summed && !arrays.hasPulledNormals) || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
       classes: materials.hasScalar && materials.hasClasses,
       original: materials.hasScalar && before && arrays.hasUneditedScalar,

@@ -1,0 +1,123 @@
+/** The picture: smooth edges at rest, smooth shading and figures during a pull. */
+
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { expect, type Page, test } from '@playwright/test';
+import { type OpenStudio, openStudio, pictureFrame, setSlider, waitUntilSaved } from './support/page';
+import { decodePng, type PngImage } from './support/png';
+import { creature, OUT } from './support/studio-server';
+
+/** Milliseconds after which the picture is at rest. */
+const REST = 1000;
+
+const takePicture = async (page: Page, name: string): Promise<PngImage> => {
+  const bytes = await page.locator('canvas.picture').screenshot();
+  writeFileSync(join(OUT, name), bytes);
+  return decodePng(bytes);
+};
+
+/** Pixels of the picture per pixel of the page. */
+const pixelRatio = (page: Page) =>
+  page.locator('canvas.picture').evaluate((canvas: HTMLCanvasElement) => canvas.width / canvas.clientWidth);
+
+/** Share of the rows whose first pixel of the shape is a blend of its color and that of the paper. */
+function smoothShare({ width, height, channels, pixels }: PngImage): number {
+  const at = (x: number, y: number) => pixels[(y * width + x) * channels]!;
+  const paper = at(width - 4, height >> 1);
+  let [rows, smooth] = [0, 0];
+  // Below the readouts, and above the scale.
+  for (let y = 110; y < height - 100; y++) {
+    let x = 4;
+    while (x < width - 8 && Math.abs(at(x, y) - paper) < 6) x++;
+    if (x === width - 8) continue;
+    rows++;
+    if (Math.abs(at(x, y) - paper) < 0.75 * Math.abs(at(x + 1, y) - paper)) smooth++;
+  }
+  return smooth / rows;
+}
+
+/** Mean change of the slope from pixel to pixel along the rows of the middle of the picture: large on facets. */
+function roughness({ width, height, channels, pixels }: PngImage): number {
+  const at = (x: number, y: number) => pixels[(y * width + x) * channels]!;
+  let [sum, n] = [0, 0];
+  for (let y = height >> 2; y < 0.75 * height; y++) {
+    for (let x = width >> 2; x < 0.75 * width; x++) {
+      const [a, b, c] = [at(x - 1, y), at(x, y), at(x + 1, y)];
+      if (Math.min(a, b, c) > 225) continue;
+      sum += Math.abs(a - 2 * b + c);
+      n++;
+    }
+  }
+  return sum / n;
+}
+
+test.describe('a small shape', () => {
+  let studio: OpenStudio;
+  let page: Page;
+
+  test.beforeAll(async ({ browser }) => {
+    studio = await openStudio(browser, 'picture', creature(20_000));
+    ({ page } = studio);
+  });
+
+  test.afterAll(() => studio.end());
+
+  test('has smooth edges at rest, also without a GPU, and fewer pixels while it moves', async () => {
+    await page.waitForTimeout(REST);
+    expect(await pixelRatio(page)).toBe(2);
+    expect(smoothShare(await takePicture(page, '46-rest.png'))).toBeGreaterThan(0.5);
+    const { x, y } = await pictureFrame(page);
+    const least = page.evaluate(async () => {
+      const canvas = document.querySelector<HTMLCanvasElement>('canvas.picture')!;
+      let least = Number.POSITIVE_INFINITY;
+      for (let k = 0; k < 60; k++) {
+        await new Promise((resolve) => requestAnimationFrame(resolve));
+        least = Math.min(least, canvas.width / canvas.clientWidth);
+      }
+      return least;
+    });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 4, y);
+    await page.mouse.move(x + 8, y);
+    if (/llvmpipe|swiftshader/i.test(await page.evaluate(() => window.studio.renderer)))
+      expect(await least).toBe(1);
+    await page.mouse.up();
+    await page.waitForTimeout(REST);
+    expect(await pixelRatio(page)).toBe(2);
+  });
+});
+
+test('a large shape that is pulled has smooth shading, and its displacement is told', async ({ browser }) => {
+  const studio = await openStudio(browser, 'pulled', creature(60_000));
+  const { page } = studio;
+  try {
+    // Its own detail is not to be taken for facets.
+    await setSlider(page, 0, 0);
+    await setSlider(page, 1, 0);
+    await setSlider(page, 2, 0);
+    await waitUntilSaved(page);
+    await page.keyboard.press('p');
+    const { x, y, size } = await pictureFrame(page);
+    const told = async () =>
+      (await page.locator('.readouts').textContent())!.match(/displacement([\d.]+)/)?.[1];
+    const before = Number(await told());
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (let k = 1; k <= 6; k++) await page.mouse.move(x + 0.02 * k * size, y - 0.03 * k * size);
+    await expect.poll(async () => Number(await told())).toBeGreaterThan(before + 0.05);
+    await page.waitForTimeout(50);
+    await page.mouse.move(x + 0.121 * size, y - 0.18 * size);
+    const during = await takePicture(page, '47-pulled.png');
+    const meanwhile = Number(await told());
+    await page.mouse.up();
+    await waitUntilSaved(page);
+    await page.waitForTimeout(REST);
+    const after = await takePicture(page, '48-released.png');
+    expect(meanwhile / Number(await told())).toBeCloseTo(1, 1);
+    // The picture of the coarse version lacks fine detail; facets would make it rougher than the exact one.
+    expect(roughness(during)).toBeLessThan(0.95 * roughness(after));
+  } finally {
+    await studio.end();
+  }
+});
