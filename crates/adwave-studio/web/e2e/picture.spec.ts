@@ -1,9 +1,16 @@
-/** The picture: smooth edges at rest, smooth shading and figures during a pull. */
+/** The picture: smooth edges at rest, smooth shading and figures during a pull, and sliders that belong to what is shown. */
 
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
-import { type OpenStudio, openStudio, pictureFrame, setSlider, waitUntilSaved } from './support/page';
+import {
+  type OpenStudio,
+  openStudio,
+  pictureFrame,
+  setSlider,
+  waitUntilReady,
+  waitUntilSaved,
+} from './support/page';
 import { decodePng, type PngImage } from './support/png';
 import { creature, OUT } from './support/studio-server';
 
@@ -85,6 +92,24 @@ test.describe('a small shape', () => {
     await page.mouse.up();
     await page.waitForTimeout(REST);
     expect(await pixelRatio(page)).toBe(2);
+  });
+
+  test('enables its sliders with the edit that is restored', async () => {
+    await setSlider(page, 2, 160);
+    await waitUntilSaved(page);
+    await page.addInitScript(() => {
+      const look = () => {
+        if (document.querySelector('.band input.gain:enabled'))
+          sessionStorage.setItem('moved-at-first', document.querySelector('.readouts')!.textContent!);
+        else requestAnimationFrame(look);
+      };
+      look();
+    });
+    await page.reload();
+    await waitUntilReady(page);
+    await page.waitForTimeout(100);
+    const first = await page.evaluate(() => sessionStorage.getItem('moved-at-first'));
+    expect(first, 'the displacement when the first slider was enabled').toMatch(/Max displacement0\.0/);
   });
 });
 

@@ -94,10 +94,12 @@ export function coloring(studio: Studio): Coloring {
     'aria-label': text.rangeHigh,
     onchange: () => byHand(),
   });
+  let withdraw = () => {};
   const byHand = () => {
     if (!Number.isFinite(low.valueAsNumber) || !Number.isFinite(high.valueAsNumber)) return;
+    withdraw();
     if (low.valueAsNumber >= high.valueAsNumber) {
-      studio.showMessage(text.badRange, 'error');
+      withdraw = studio.showMessage(text.badRange, 'error');
       return;
     }
     rule = { low: low.valueAsNumber, high: high.valueAsNumber };

@@ -19,8 +19,9 @@ export class DetailTransfer {
   /** Lets the next click choose the spot whose detail is stored. */
   startPick(): void {
     const { studio } = this;
-    studio.showMessage(text.pickDetailClick);
-    studio.onPickVertex = (vertex) => this.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
+    studio.requestVertex(text.pickDetailClick, (vertex) =>
+      this.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal),
+    );
   }
 
   /** Stores the size of each band around a vertex. */

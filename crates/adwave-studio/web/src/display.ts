@@ -28,13 +28,14 @@ export class Display {
   private drawn: Uint32Array | null = null;
   /** Last problem that the worker reported about the region of a layer. */
   private problem: string | null = null;
+  private withdrawProblem = () => {};
 
   constructor(
     private readonly studio: Studio,
     private readonly masks: Masks,
   ) {
     const { view, timings } = studio;
-    view.onDrawn = (began) => timings.recordFrame(began, this.shownDoc === studio.doc, () => view.finish());
+    view.onDrawn = (began) => timings.recordFrame(began, this.isCurrent, () => view.finish());
   }
 
   /**
@@ -129,6 +130,11 @@ export class Display {
     else this.studio.fieldEditor.show();
   }
 
+  /** True if the picture shows the present document. */
+  get isCurrent(): boolean {
+    return this.shownDoc === this.studio.doc;
+  }
+
   /** Notes that the picture shows a document whose positions did not change. */
   markShown(doc: Doc): void {
     if (doc === this.studio.doc) this.shownDoc = doc;
@@ -199,7 +205,9 @@ export class Display {
       } else if (!by) view.arrays.setPosed(null, null);
       else if (view.arrays.by && !answer.problem) view.arrays.by = by;
       studio.timings.records.settle.push(answer.took);
-      if (answer.problem && answer.problem !== this.problem) studio.showMessage(answer.problem, 'error');
+      if (answer.problem !== this.problem) this.withdrawProblem();
+      if (answer.problem && answer.problem !== this.problem)
+        this.withdrawProblem = studio.showMessage(answer.problem, 'error');
       this.problem = answer.problem;
       if (doc === studio.doc || !view.arrays.large) {
         view.arrays.setEdited(answer.positions, answer.normals);

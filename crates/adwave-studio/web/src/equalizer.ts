@@ -265,8 +265,11 @@ export function equalizer(studio: Studio): HTMLElement {
   });
   presets.addEventListener('change', () => {
     const preset = studio.shape?.presets[Number(presets.value)];
-    if (preset) studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
     presets.value = '';
+    if (!preset) return;
+    studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
+    const note = text.presetNotes[preset.name];
+    if (note) studio.showMessage(note);
   });
 
   function rebuild(): void {
@@ -360,7 +363,7 @@ export function equalizer(studio: Studio): HTMLElement {
       'footer',
       {},
       h('span', {}, text.fine),
-      h('span', { class: 'axis' }, text.axis),
+      h('span', { class: 'axis' }, text.axis, h('span', { class: 'meter-legend' }, text.meters)),
       h('span', {}, text.coarse),
     ),
   );

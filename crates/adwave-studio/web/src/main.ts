@@ -14,7 +14,7 @@ import type { ShapeList } from './protocol';
 import type { SaveState } from './saver';
 import { scaleBar } from './scale-bar';
 import { Stage } from './stage';
-import { type MessageLink, Studio } from './studio';
+import { Studio } from './studio';
 import { installTestHooks } from './test-hooks';
 import { text } from './text';
 import { comparisonPanel } from './tools';
@@ -28,23 +28,48 @@ interface StartOptions {
   started: number;
 }
 
-/** Creates the area of short messages, and the function that shows one. */
-function messageArea(): { element: HTMLElement; showMessage: Studio['showMessage'] } {
+/** Shortest time for which messages are shown, and for each of their characters, in milliseconds. */
+const SHOWN = { info: 5_000, error: 12_000, perCharacter: 60 };
+
+/**
+ * Creates the area of short messages, the function that shows one, and one that ends it if the user has done something since.
+ */
+function messageArea(): { element: HTMLElement; showMessage: Studio['showMessage']; goOn: () => void } {
   const element = h('div', { class: 'toasts', role: 'status', 'aria-live': 'polite' });
   let timer = 0;
-  const showMessage = (sentence: string, kind: 'info' | 'error' = 'info', link?: MessageLink) => {
-    element.replaceChildren(
-      h(
-        'p',
-        { class: kind, role: kind === 'error' ? 'alert' : undefined },
-        link ? `${sentence} ` : sentence,
-        link ? h('button', { type: 'button', class: 'link', onclick: link.onclick }, link.label) : null,
-      ),
-    );
+  let hasActed = false;
+  for (const type of ['pointerdown', 'keydown', 'input', 'change', 'drop'])
+    window.addEventListener(type, () => (hasActed = true), { capture: true });
+  const clear = () => {
     window.clearTimeout(timer);
-    timer = window.setTimeout(() => element.replaceChildren(), kind === 'error' ? 12_000 : 5_000);
+    element.replaceChildren();
   };
-  return { element, showMessage };
+  const showMessage: Studio['showMessage'] = (sentence, kind = 'info', link) => {
+    const message = h(
+      'p',
+      { class: kind, role: kind === 'error' ? 'alert' : undefined },
+      link ? `${sentence} ` : sentence,
+    );
+    const withdraw = () => {
+      if (message.isConnected) clear();
+    };
+    const follow = () => {
+      withdraw();
+      link?.onclick();
+    };
+    if (link) message.append(h('button', { type: 'button', class: 'link', onclick: follow }, link.label));
+    clear();
+    element.append(message);
+    hasActed = false;
+    // A request stays until it is met or withdrawn.
+    if (kind !== 'request')
+      timer = window.setTimeout(clear, Math.max(SHOWN[kind], SHOWN.perCharacter * sentence.length));
+    return withdraw;
+  };
+  const goOn = () => {
+    if (hasActed && !element.querySelector('.request')) clear();
+  };
+  return { element, showMessage, goOn };
 }
 
 /** Creates the bar at the top of the page, and the badge that names the shown original. */
@@ -92,6 +117,7 @@ function saveStatus(studio: Studio, files: Files) {
   const saving = h('span', { class: 'saving', role: 'status', title: text.editSavedHint });
   const banner = h('div', { class: 'banner', hidden: true, role: 'alert' });
   const button = (label: string, onclick: () => void) => h('button', { type: 'button', onclick }, label);
+  let withdraw = () => {};
   studio.on('saving', () => {
     const { saver } = studio;
     if (!saver) return;
@@ -125,7 +151,8 @@ function saveStatus(studio: Studio, files: Files) {
         button(text.takeTheirs, () => studio.session.acceptConflictingEdit()),
       );
     }
-    if (state === 'refused') studio.showMessage(saver.problem, 'error');
+    withdraw();
+    if (state === 'refused') withdraw = studio.showMessage(saver.problem, 'error');
   });
   return { saving, banner };
 }
@@ -274,6 +301,7 @@ export function start(options: StartOptions): void {
   }
   const worker = new Worker(new URL('./compute/compute.worker.ts', import.meta.url), { type: 'module' });
   const studio = new Studio(options.api, view, worker, messages.showMessage);
+  studio.on(['doc', 'selected', 'tool', 'target', 'shape', 'levels'], messages.goOn);
   const stage = new Stage(studio, canvas);
   const look = lookPanel(studio, stage);
   const files = new Files(studio, options.fetchShape);
@@ -336,9 +364,13 @@ export function start(options: StartOptions): void {
   });
   canvas.addEventListener('webglcontextlost', () => {
     stage.interrupt();
-    studio.showMessage(text.lostPicture);
+    const withdraw = studio.showMessage(text.lostPicture);
+    const restore = () => {
+      withdraw();
+      view.request();
+    };
+    canvas.addEventListener('webglcontextrestored', restore, { once: true });
   });
-  canvas.addEventListener('webglcontextrestored', () => view.request());
 
   const ready = openFirstShape(studio, options, app, loading);
   ready.catch(() => {});

@@ -102,13 +102,14 @@ function defaultRegion({ studio, shape }: RegionContext, kind: RegionChoice): Re
 function fitField({ studio, set }: RegionContext, name: string): Promise<void> {
   return studio.fieldRange(name).then(
     ([low, high]) => set({ field: { name, low, high } }),
-    (e: Error) => studio.showMessage(e.message, 'error'),
+    (e: Error) => {
+      studio.showMessage(e.message, 'error');
+    },
   );
 }
 
 function pickPart({ studio, set }: RegionContext): void {
-  studio.showMessage(text.clickPart);
-  studio.onPickVertex = (vertex) => set({ component: { vertex } });
+  studio.requestVertex(text.clickPart, (vertex) => set({ component: { vertex } }));
 }
 
 interface LengthOptions {
@@ -165,8 +166,7 @@ function ballControls(context: RegionContext, ball: Content<'ball'>): Node[] {
       toRegion: (radius) => ({ ball: { ...ball, radius } }),
     }),
     button(text.moveCenter, () => {
-      studio.showMessage(text.clickCenter);
-      studio.onPickVertex = (vertex) => set({ ball: { ...ball, center: { vertex } } });
+      studio.requestVertex(text.clickCenter, (vertex) => set({ ball: { ...ball, center: { vertex } } }));
     }),
   ];
 }
@@ -371,10 +371,9 @@ function drawLine(studio: Studio, key: number, radius: number): void {
     path.push({ vertex });
     studio.lineDrawing = { end: () => finish(true), cancel: () => finish(false) };
     studio.changeLayer({ region: { stroke: { path: [...path], radius } } }, false, key);
-    studio.onPickVertex = next;
+    studio.requestVertex(text.lineClick, next);
   };
-  studio.showMessage(text.lineClick);
-  studio.onPickVertex = next;
+  studio.requestVertex(text.lineClick, next);
 }
 
 /** Describes a region in a few words. */

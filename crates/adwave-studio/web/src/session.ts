@@ -73,8 +73,20 @@ export class Session {
     if (generation !== this.generation) return;
     // Until the coarse version is ready, the worker sums the bands while a slider moves.
     if (view.arrays.heavy && !few) coarsen();
-    if (!isNeutral(studio.doc)) studio.display.settle();
+    await this.showEdit(generation);
     void studio.engine.call('warm', {});
+  }
+
+  /** Shows the edit once its bands are there. Until then its sliders wait: the picture is not that of their gains. */
+  private async showEdit(generation: number): Promise<void> {
+    const { studio } = this;
+    if (studio.isEditShown) return;
+    studio.display.show(true);
+    if (!studio.display.isCurrent) await studio.display.waitUntilSettled();
+    if (generation !== this.generation) return;
+    studio.isEditShown = true;
+    studio.timings.records.slidersLive = performance.now();
+    studio.emit('band');
   }
 
   /** Stores the steps for the next visit of this tab. */
@@ -91,6 +103,7 @@ export class Session {
     studio.saver?.detach();
     studio.saver = new Saver(studio.api, studio.shape!.id, revision, (moved) => this.handleSaved(moved));
     studio.resetDocument(doc);
+    studio.isEditShown = isNeutral(doc);
     studio.emit('saving');
   }
 
@@ -184,6 +197,7 @@ export class Session {
     studio.view.setLevels(levels.length);
     studio.view.arrays.setUnedited();
     step({ ...answer, levels: docLevels(studio.shape) });
+    studio.isEditShown = isNeutral(studio.doc);
     studio.emit('levels');
     await this.readLevels();
     // Presets and fields depend on the number of levels.
@@ -196,7 +210,7 @@ export class Session {
     const { generation } = this;
     await this.readBands(generation);
     if (generation !== this.generation) return;
-    this.studio.display.settle();
+    await this.showEdit(generation);
     await this.studio.loadTarget();
   }
 

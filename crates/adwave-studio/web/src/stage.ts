@@ -422,7 +422,7 @@ export class Stage {
     if (answer.hit) studio.lastVertex = answer.hit.vertex;
     if (studio.onPickVertex) {
       if (!answer.hit) {
-        studio.showMessage(text.missed);
+        studio.requestVertex(text.missed, studio.onPickVertex);
         return;
       }
       const next = studio.onPickVertex;
@@ -525,7 +525,9 @@ export class Stage {
       camera.frame();
       studio.view.markMoving();
     };
-    studio.showMessage(text.nothingSeen, 'info', { label: text.frame, onclick });
+    const withdraw = studio.showMessage(text.nothingSeen, 'info', { label: text.frame, onclick });
+    // Another picture may show the shape again.
+    studio.view.afterNextMove(withdraw);
   }
 
   resizeBrush(factor: number): void {

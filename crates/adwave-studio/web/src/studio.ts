@@ -93,6 +93,8 @@ export class Studio {
   /** Document that was handled last. */
   private lastDoc: Doc | null = null;
   readonly loadedBands = new Set<number>();
+  /** False until the picture shows an edit that was restored, or whose bands were replaced. */
+  isEditShown = true;
   /** Displacement from the last computation; replaced by the server's double precision values. */
   displacement: { greatest: number; rms: number; volume: [number, number] | null } | null = null;
   spectrum: number[] = [];
@@ -133,7 +135,8 @@ export class Studio {
   /** Line that is being drawn click by click. */
   lineDrawing: { end: () => void; cancel: () => void } | null = null;
   /** Receives the next clicked vertex instead of the default action. */
-  onPickVertex: ((vertex: number) => void) | null = null;
+  private picked: ((vertex: number) => void) | null = null;
+  private withdrawRequest = () => {};
   private readonly listeners = new Map<Topic, (() => void)[]>();
   readonly masks: Masks;
 
@@ -141,7 +144,12 @@ export class Studio {
     readonly api: Api,
     readonly view: View,
     worker: Worker,
-    readonly showMessage: (sentence: string, kind?: 'info' | 'error', link?: MessageLink) => void,
+    /** Shows a message, and returns the function that takes it back. A request has no end of its own. */
+    readonly showMessage: (
+      sentence: string,
+      kind?: 'info' | 'error' | 'request',
+      link?: MessageLink,
+    ) => () => void,
   ) {
     this.on('selected', () => {
       if (!this.solo || this.solo.key === this.selected) return;
@@ -219,7 +227,8 @@ export class Studio {
 
   /** True if the band of a level is loaded, of the positions or of the field that is edited. */
   isBandReady(level: number): boolean {
-    return this.target === null ? this.loadedBands.has(level) : this.fieldEditor.loaded === this.target;
+    if (this.target === null) return this.isEditShown && this.loadedBands.has(level);
+    return this.fieldEditor.loaded === this.target;
   }
 
   /** Edits a field, or the positions (`null`), from now on. */
@@ -301,7 +310,7 @@ export class Studio {
       this.loadedBands.add(event.level);
       const now = performance.now();
       if (this.loadedBands.size === 1) this.timings.records.firstSlider = now;
-      if (this.loadedBands.size === this.nLevels) this.timings.records.slidersLive = now;
+      if (this.loadedBands.size === this.nLevels && this.isEditShown) this.timings.records.slidersLive = now;
       this.emit('band');
       return;
     }
@@ -391,12 +400,26 @@ export class Studio {
 
   /** Lets the next click choose the spot from which the brush clones detail. */
   pickCloneSource(): void {
-    this.showMessage(text.pickCloneClick);
-    this.onPickVertex = (vertex) => {
+    this.requestVertex(text.pickCloneClick, (vertex) => {
       this.cloneSource = vertex;
-      this.showMessage(text.cloneSourcePicked);
       this.emit('tool');
-    };
+      this.showMessage(text.cloneSourcePicked);
+    });
+  }
+
+  get onPickVertex(): ((vertex: number) => void) | null {
+    return this.picked;
+  }
+
+  set onPickVertex(next: ((vertex: number) => void) | null) {
+    this.withdrawRequest();
+    this.picked = next;
+  }
+
+  /** Asks for a click on a vertex; the request stays until there is one, or the pick is cancelled. */
+  requestVertex(sentence: string, next: (vertex: number) => void): void {
+    this.onPickVertex = next;
+    this.withdrawRequest = this.showMessage(sentence, 'request');
   }
 
   /** Ends a pick or a line that waits for a click; returns false if there is none. */

@@ -38,6 +38,15 @@ export const text = {
     band2: 'Boost middle, drop fine',
     detail: 'Detail',
   } as Record<string, string>,
+  /** Effect of presets on the coarsest bands, which hold the widest forms. */
+  presetNotes: {
+    suppress:
+      'Removes all bands but the coarsest, which is doubled: that gives back most of the size that wide parts lose with the others.',
+    'suppress-paper': 'Removes all bands, also the coarsest: thin parts shrink.',
+    enhance: 'Strengthens the fine bands most, and the coarsest a little: wide forms grow slightly too.',
+    band1: 'Keeps the finest third of the bands and removes the others: fine detail on a smoothed body.',
+    band2: 'Removes the finest third of the bands and doubles the others, so that wide forms grow too.',
+  } as Record<string, string>,
   draw: 'Draw',
   drawHint: 'Draw a gain curve over the bands',
   reset: 'Reset',
@@ -45,6 +54,7 @@ export const text = {
   fine: 'Fine',
   coarse: 'Coarse',
   axis: 'Width σ of each band, in model units',
+  meters: 'Detail under the cursor',
   band: (level: number, sigma: string) => `Band ${level}, σ ${sigma}`,
   sigma: (sigma: string) => `Detail of width σ ≈ ${sigma}`,
   sliderHint: 'Gain of the band. Double-click to reset it to 1.',

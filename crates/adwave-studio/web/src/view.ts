@@ -52,6 +52,7 @@ export class View {
   /** Called after each frame. */
   onDrawn: ((began: number) => void) | null = null;
   private readonly frameListeners: (() => void)[] = [];
+  private readonly moveListeners: (() => void)[] = [];
   private readonly software: boolean;
   private readonly scene = new Scene();
   private readonly besideScene = new Scene();
@@ -287,6 +288,7 @@ export class View {
 
   /** Marks a movement: for a moment the coarse version is drawn. */
   markMoving(): void {
+    for (const listener of this.moveListeners.splice(0)) listener();
     window.clearTimeout(this.moving);
     this.moving = window.setTimeout(() => {
       this.moving = 0;
@@ -306,6 +308,11 @@ export class View {
   /** Calls a listener after each frame, for what is drawn over the picture. */
   afterFrame(listener: () => void): void {
     this.frameListeners.push(listener);
+  }
+
+  /** Calls a listener when the picture moves the next time. */
+  afterNextMove(listener: () => void): void {
+    this.moveListeners.push(listener);
   }
 
   /** Draws now instead of in the requested frame. */
