@@ -36,8 +36,9 @@ ColorManagement.enabled = false;
 
 /** Pixel ratios of the picture without a GPU: while a large shape moves, while a small one does, and at rest. */
 const RATIOS = { large: 0.6, small: 1, rest: 2 };
-/** Milliseconds after the last movement until all triangles are drawn again, and the edges are smooth. */
+/** Milliseconds after the last movement until all triangles are drawn again, and from then until a large shape gets smooth edges. */
 const REST = 160;
+const REST_OF_LARGE = 1500;
 
 export class View {
   readonly camera = new Camera();
@@ -71,6 +72,9 @@ export class View {
   pointScale = 1;
   private frame = 0;
   private moving = 0;
+  private smoothing = 0;
+  /** True once the picture may take its time. */
+  private isAtRest = false;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({
@@ -290,10 +294,17 @@ export class View {
   markMoving(): void {
     for (const listener of this.moveListeners.splice(0)) listener();
     window.clearTimeout(this.moving);
+    window.clearTimeout(this.smoothing);
+    this.isAtRest = false;
     this.moving = window.setTimeout(() => {
       this.moving = 0;
-      if (this.arrays.hasFew || this.software) this.request();
+      if (this.arrays.hasFew) this.request();
+      if (this.software) this.smoothing = window.setTimeout(smooth, this.arrays.hasFew ? REST_OF_LARGE : 0);
     }, REST);
+    const smooth = () => {
+      this.isAtRest = true;
+      this.request();
+    };
     this.request();
   }
 
@@ -364,7 +375,7 @@ export class View {
    */
   private setRatio(coarse: boolean): void {
     const now = this.renderer.getPixelRatio();
-    const still = coarse ? now : RATIOS.rest;
+    const still = coarse ? now : this.isAtRest ? RATIOS.rest : RATIOS.small;
     const ratio = this.moving === 0 ? still : coarse ? RATIOS.large : RATIOS.small;
     if (now !== ratio) this.renderer.setPixelRatio(ratio);
   }
