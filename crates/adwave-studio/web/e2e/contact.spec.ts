@@ -1,9 +1,10 @@
 /** First contact with a shape: its colors, facts about places, and gains that are refused. */
 
-import { writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  coverage,
   currentEdit,
   dropFile,
   type OpenStudio,
@@ -11,10 +12,13 @@ import {
   openStudio,
   pictureFrame,
   setSlider,
+  startPainting,
   waitForBands,
+  waitForStrokes,
   waitUntilReady,
   waitUntilSaved,
 } from './support/page';
+import { decodePng } from './support/png';
 import { creature, OUT } from './support/studio-server';
 
 /** A wavy sheet of points, red on one half and blue on the other, as a PLY of text. */
@@ -30,6 +34,30 @@ function coloredCloud(): string {
   const colors = ['red', 'green', 'blue'].map((name) => `property uchar ${name}`);
   const head = ['ply', 'format ascii 1.0', `element vertex ${rows.length}`, ...numbers, ...colors];
   return [...head, 'end_header', ...rows, ''].join('\n');
+}
+
+/** A binary PLY whose triangles are turned inside out. */
+function insideOut(path: string): Buffer {
+  const bytes = readFileSync(path);
+  const start = bytes.indexOf('end_header\n') + 'end_header\n'.length;
+  const head = bytes.toString('latin1', 0, start);
+  const count = (what: string) => Number(head.match(new RegExp(`element ${what} (\\d+)`))![1]);
+  for (let f = 0; f < count('face'); f++) {
+    // Behind three coordinates of 64 bits per vertex: a byte and three numbers of 32 bits per face.
+    const at = start + 24 * count('vertex') + 13 * f + 1;
+    bytes.subarray(at, at + 8).set([...bytes.subarray(at + 4, at + 8), ...bytes.subarray(at, at + 4)]);
+  }
+  return bytes;
+}
+
+/** Mean brightness of the middle of the picture. */
+async function brightness(page: Page): Promise<number> {
+  const { width, height, channels, pixels } = decodePng(await page.locator('canvas.picture').screenshot());
+  let sum = 0;
+  for (let y = -20; y < 20; y++)
+    for (let x = -20; x < 20; x++)
+      sum += pixels[((y + (height >> 1)) * width + x + (width >> 1)) * channels]!;
+  return sum / 1600;
 }
 
 test.describe
@@ -140,5 +168,43 @@ test.describe
       await expect(page.getByLabel('Colors')).toHaveValue('field-color');
       await page.waitForTimeout(400);
       await page.screenshot({ path: join(OUT, '41-colored-cloud.png') });
+    });
+
+    test('a shape that is inside out is named, lit, and turned in the view', async () => {
+      const name = 'inside-out.ply';
+      await openFile(page, creature(5000));
+      await waitForBands(page);
+      await page.waitForTimeout(500);
+      const outside = await brightness(page);
+      const path = join(studio.folder, name);
+      writeFileSync(path, insideOut(creature(5000)));
+      await openFile(page, path);
+      await page.locator('.tab.here', { hasText: name }).waitFor();
+      await waitForBands(page);
+      await expect(page.locator('.toasts')).toContainText('point inward');
+      await expect(page.locator('.readouts')).toContainText('Volume (faces point inward)−0.3');
+      await page.waitForTimeout(500);
+      expect((await brightness(page)) / outside).toBeCloseTo(1, 1);
+      await page.screenshot({ path: join(OUT, '50-inside-out.png') });
+      await page.getByRole('button', { name: 'Turn them in this view' }).click();
+      await expect(page.locator('.toasts')).toContainText('files keep them');
+      await expect(page.locator('.readouts')).toContainText('Volume0.3');
+      expect((await brightness(page)) / outside).toBeCloseTo(1, 1);
+      await page.getByRole('button', { name: 'File', exact: true }).click();
+      await expect(page.getByRole('dialog')).toContainText('Its faces point inward');
+      await page.screenshot({ path: join(OUT, '51-turned.png') });
+      await page.keyboard.press('Escape');
+      await page.reload();
+      await waitUntilReady(page);
+      await page.getByRole('tab', { name: 'View' }).click();
+      await expect(page.getByLabel('Turn faces outward'), 'the view is remembered').toBeChecked();
+      // The brush paints the side that is seen.
+      await page.getByRole('tab', { name: 'Brush' }).click();
+      await page.getByLabel('Front faces only').check();
+      await startPainting(page);
+      const { x, y } = await pictureFrame(page);
+      await page.mouse.click(x, y);
+      expect(await waitForStrokes(page, 1)).toBe(true);
+      expect(await coverage(page), 'something is painted').toBeGreaterThan(255);
     });
   });

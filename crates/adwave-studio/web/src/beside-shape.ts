@@ -3,6 +3,7 @@
 import { BufferAttribute, BufferGeometry, Mesh, Points, type RawShaderMaterial } from 'three';
 import { coarseTriangles } from './compute/coarse';
 import { boundsOf, setAttributeArray } from './geometry';
+import type { LitSide } from './shader';
 import { VertexSubset } from './vertex-subset';
 
 /** Arrays of a shape; positions are relative to the center of the shape that it is shown beside. */
@@ -12,6 +13,7 @@ export interface BesideArrays {
   /** Empty for a cloud. */
   triangles: Uint32Array;
   meanLength: number;
+  lit: LitSide;
 }
 
 /** Number of triangles of the coarse version. */
@@ -20,6 +22,7 @@ const COARSE = 45_000;
 export class BesideShape {
   readonly body: Mesh<BufferGeometry, RawShaderMaterial> | Points<BufferGeometry, RawShaderMaterial>;
   readonly isCloud: boolean;
+  readonly lit: LitSide;
   /** Size of the points of a cloud, in model units. */
   readonly pointSize: number;
   /** Distance from a point that holds all vertices. */
@@ -30,10 +33,11 @@ export class BesideShape {
 
   /** Takes arrays; a coarse version with fewer triangles is made if `isHeavy`. */
   constructor(
-    { positions, normals, triangles, meanLength }: BesideArrays,
+    { positions, normals, triangles, meanLength, lit }: BesideArrays,
     material: RawShaderMaterial,
     isHeavy: boolean,
   ) {
+    this.lit = lit;
     this.isCloud = triangles.length === 0;
     this.pointSize = 1.4 * meanLength;
     this.bounds = boundsOf(positions);

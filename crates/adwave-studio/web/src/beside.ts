@@ -2,7 +2,7 @@
 
 import { h, iconButton } from './dom';
 import { formatNumber } from './lengths';
-import type { Deviation, Shape } from './protocol';
+import { type Deviation, facesPointInward, type Shape } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -46,7 +46,8 @@ export class Beside {
     const { normals } = await studio.engine.call('normalsOf', { positions: positions.slice(), triangles });
     if (turn !== this.turn) return;
     for (let i = 0; i < positions.length; i++) positions[i]! += shape.center[i % 3]! - mine.center[i % 3]!;
-    view.setBeside({ positions, normals, triangles, meanLength });
+    const lit = facesPointInward(shape) ? 'both' : 'front';
+    view.setBeside({ positions, normals, triangles, meanLength, lit });
     this.other = shape;
     studio.emit('beside');
     studio.showColors(DEVIATION);

@@ -6,7 +6,7 @@ import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
 import { framesOf } from './frames';
 import { pictureWithLegend } from './picture';
-import type { Edit, ReadableFormat, Shape } from './protocol';
+import { type Edit, facesPointInward, type ReadableFormat, type Shape } from './protocol';
 import { areNeutral, isNeutral, toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -140,6 +140,7 @@ export class Files {
       try {
         await studio.saver?.waitUntilSent();
         const { path, notes } = await studio.api.save(id, name, replace);
+        if (studio.isTurned) notes.push(text.savedInward);
         studio.showMessage([text.saved(path), ...notes].join(' '));
       } catch (error) {
         if (!(error instanceof ApiError) || !(error.body as { exists?: boolean } | null)?.exists) throw error;
@@ -198,6 +199,7 @@ export class Files {
     const { shape } = this.studio;
     if (!shape) return;
     const close = () => box.close();
+    const notes = facesPointInward(shape) ? [text.inwardFile, ...shape.notes] : shape.notes;
     const box = dialog(
       text.file,
       ...this.saveSection(close),
@@ -224,8 +226,8 @@ export class Files {
           this.askToQuit();
         }),
       ),
-      shape.notes.length ? h('h3', {}, text.notes) : null,
-      shape.notes.length ? h('ul', {}, ...shape.notes.map((n) => h('li', {}, n))) : null,
+      notes.length ? h('h3', {}, text.notes) : null,
+      notes.length ? h('ul', {}, ...notes.map((n) => h('li', {}, n))) : null,
     );
   }
 

@@ -4,7 +4,7 @@ import { type Clip, parseClip } from './clip';
 import { coloring } from './coloring';
 import { check, h, iconButton, segments, slider } from './dom';
 import { formatCount, formatNumber } from './lengths';
-import type { Feature, Shape } from './protocol';
+import { type Feature, facesPointInward, type Shape } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -70,7 +70,12 @@ function styleControl(studio: Studio) {
     const offered = styles.filter((s) => s !== 'edges' || studio.shape?.kind !== 'cloud');
     setStyle(offered[(offered.indexOf(view.style) + 1) % offered.length]!);
   };
-  return { buttons: styleButtons, points, setStyle, cycle };
+  const turned = check(text.turned, false, (on) => studio.setTurned(on));
+  studio.on(['shape', 'turned'], () => {
+    turned.hidden = !studio.shape || !facesPointInward(studio.shape);
+    turned.querySelector('input')!.checked = studio.isTurned;
+  });
+  return { controls: [styleButtons, turned, points], setStyle, cycle };
 }
 
 /** Creates the switch for features, and the card over the picture about a clicked feature or vertex. */
@@ -396,19 +401,19 @@ function createReadouts(studio: Studio): HTMLElement {
     items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
     const volume = moved ? moved.volume : shape.volume === null ? null : [shape.volume, shape.volume];
     if (volume) {
-      const [a, b] = volume as [number, number];
+      const [a, b] = volume.map((x) => (studio.isTurned ? -x : x)) as [number, number];
       const change = a === 0 ? 0 : (100 * (b - a)) / Math.abs(a);
       const sign = change > 0.005 ? '+' : '';
       items.push(
         pair(
-          text.volume,
+          facesPointInward(shape) && !studio.isTurned ? text.volumeInward : text.volume,
           `${formatNumber(a, 4)} → ${formatNumber(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : formatNumber(change, 2)} %)`,
         ),
       );
     }
     readouts.replaceChildren(...items);
   }
-  studio.on(['shape', 'moved', 'target', 'fieldEdited'], read);
+  studio.on(['shape', 'moved', 'target', 'fieldEdited', 'turned'], read);
   return readouts;
 }
 
@@ -434,6 +439,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const showLook = (memory: ViewMemory | null) => {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
     clip.set(parseClip(memory?.clip));
+    studio.setTurned(memory?.turned === true);
     recalled = memory?.colors ?? ownColors(studio.shape);
     recalledTarget = memory?.target ?? null;
   };
@@ -446,6 +452,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
         colors: colors.shown,
         target: studio.target,
         clip: studio.view.clip,
+        turned: studio.isTurned,
       };
     },
     set: (memory) => {
@@ -475,8 +482,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     'section',
     { class: 'look-panel', id: 'look', role: 'tabpanel', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
-    style.buttons,
-    style.points,
+    ...style.controls,
     ...colors.controls,
     ...features.controls,
     ...clip.controls,

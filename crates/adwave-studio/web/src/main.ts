@@ -10,7 +10,7 @@ import { Gizmo } from './gizmo';
 import { listenToKeys, showKeys } from './keys';
 import { layersPanel } from './layers-panel';
 import { type LookPanel, lookPanel } from './look-panel';
-import type { ShapeList } from './protocol';
+import { facesPointInward, type ShapeList } from './protocol';
 import type { SaveState } from './saver';
 import { scaleBar } from './scale-bar';
 import { Stage } from './stage';
@@ -256,6 +256,13 @@ function announceShapes(studio: Studio): void {
     const shape = studio.shape!;
     document.title = `${shape.name} – ${text.title}`;
     if (shape.resumed && !announced.has(shape.id)) studio.showMessage(text.resumed);
+    if (facesPointInward(shape) && !studio.isTurned) {
+      const turn = () => {
+        studio.setTurned(true);
+        studio.showMessage(text.turnedNote);
+      };
+      studio.showMessage(text.inward, 'info', { label: text.turn, onclick: turn });
+    }
     announced.add(shape.id);
     if (studio.nLevels === 0 || shape.diagonal === 0) studio.showMessage(text.tooSmall, 'error');
   });

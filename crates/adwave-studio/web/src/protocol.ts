@@ -146,6 +146,11 @@ export interface Shape {
   resumed: boolean;
 }
 
+/** True if the faces of a closed surface point inward, so that its volume is negative. */
+export function facesPointInward({ closed, volume }: Shape): boolean {
+  return closed && volume !== null && volume < 0;
+}
+
 export interface EditSummary {
   revision: number;
   greatest: number;

@@ -11,6 +11,9 @@ export function maskPacks(nLevels: number, nMasks: number, posed = false): numbe
   return packs <= 2 && others + nLevels + packs <= MOST_ATTRIBUTES ? packs : null;
 }
 
+/** Side of the faces that is lit in full; the other one is darker. */
+export type LitSide = 'front' | 'back' | 'both';
+
 /** Variant of the shader. Variants are used instead of branches, which cost time in software rendering even if not taken. */
 export interface Variant {
   /** Number of summed bands; 0 if the positions are final. */
@@ -21,6 +24,7 @@ export interface Variant {
   posed: boolean;
   cloud: boolean;
   clay: boolean;
+  lit: LitSide;
   /** Computes normals from derivatives instead of vertex normals. */
   flat: boolean;
   scalar: boolean;
@@ -115,15 +119,28 @@ const HATCHED = '(0.1 + 0.75 * step(0.6, fract((gl_FragCoord.x + gl_FragCoord.y)
 const CLIP_INPUTS = 'uniform vec4 clip;\nin vec3 vModel;';
 const CLIP = '  if (dot(vec4(vModel, 1.0), clip) > 0.0) discard;';
 
-export function fragmentShader({ cloud, clay, flat, scalar, classes, rgb, tint, clip }: Variant): string {
+export function fragmentShader({
+  cloud,
+  clay,
+  lit,
+  flat,
+  scalar,
+  classes,
+  rgb,
+  tint,
+  clip,
+}: Variant): string {
   const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;
   if (dot(q, q) > 1.0) discard;
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
   if (n.z < 0.0) n = -n;`;
-  // Back faces are darker, and lit as if they faced the viewer.
+  // Both sides are lit as if they faced the viewer.
   const facing = flat
-    ? '  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));\n  float side = gl_FrontFacing ? 1.0 : 0.62;'
-    : '  float side = gl_FrontFacing ? 1.0 : 0.62;\n  vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);';
+    ? '  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));'
+    : '  vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);';
+  const side = { front: 'gl_FrontFacing ? 1.0 : 0.62', back: 'gl_FrontFacing ? 0.62 : 1.0', both: '1.0' }[
+    lit
+  ];
   return `precision highp float;
 uniform vec3 surface;
 ${tint ? 'uniform vec3 accent;\nin float vTint;' : ''}
@@ -140,7 +157,7 @@ ${cloud ? round : facing}
 ${rgb ? '  base = vPaint;' : ''}
 ${scalar ? '  base = vScalar == vScalar ? texture(colors, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
 ${tint ? `  base = mix(base, accent, ${scalar || rgb ? HATCHED : '0.72'} * min(vTint, 1.0));` : ''}
-${cloud ? '' : '  base *= side;'}
+${cloud ? '' : `  base *= ${side};`}
 ${clay ? CLAY : SHADED}
   color = vec4(light, 1.0);
 }`;

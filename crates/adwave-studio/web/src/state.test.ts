@@ -211,6 +211,7 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     packs: 1,
     posed: false,
     cloud: false,
+    lit: 'front',
     clay: false,
     flat: true,
     scalar: false,

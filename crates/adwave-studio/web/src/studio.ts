@@ -11,7 +11,7 @@ import { Engine } from './engine';
 import { FieldEditor, keysOf } from './field-editor';
 import { formatCount } from './lengths';
 import { Masks } from './masks';
-import type { Region, Shape, ShapeList } from './protocol';
+import { facesPointInward, type Region, type Shape, type ShapeList } from './protocol';
 import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
@@ -58,7 +58,8 @@ export type Topic =
   | 'tint'
   | 'beside'
   | 'camera'
-  | 'solo';
+  | 'solo'
+  | 'turned';
 
 /** A link at the end of a message. */
 export interface MessageLink {
@@ -105,6 +106,8 @@ export class Studio {
   isGrabOn = false;
   /** Vertex from which the brush clones detail. */
   cloneSource: number | null = null;
+  /** True if the view shows faces that point inward as if they pointed outward. The file keeps them. */
+  isTurned = false;
   /** True while a handle is pulled or detail is cloned. */
   isPulling = false;
   /** The only band of a layer that is shown; part of the view and not of the edit. */
@@ -487,6 +490,15 @@ export class Studio {
       this.regions.markUnknown(updates);
       throw error;
     }
+  }
+
+  /** Turns the faces of an inside-out shape outward in the view, or back. */
+  setTurned(on: boolean): void {
+    const isInward = this.shape !== null && facesPointInward(this.shape);
+    this.isTurned = on && isInward;
+    this.view.lit = this.isTurned ? 'back' : isInward ? 'both' : 'front';
+    this.view.request();
+    this.emit('turned');
   }
 
   setBrush(on: boolean): void {

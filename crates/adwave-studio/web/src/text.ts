@@ -330,6 +330,13 @@ export const text = {
   greatest: 'Max displacement',
   rms: 'RMS',
   volume: 'Volume',
+  volumeInward: 'Volume (faces point inward)',
+  inward: 'The faces of this shape point inward, so its volume is negative.',
+  inwardFile: 'Its faces point inward, so its volume is negative. Saved files keep them so.',
+  turn: 'Turn them in this view',
+  turned: 'Turn faces outward',
+  turnedNote: 'The faces are turned in this view. Saved and downloaded files keep them as they are.',
+  savedInward: 'Its faces point inward, as in the opened file.',
 
   // Files
   shapes: 'Open shapes',

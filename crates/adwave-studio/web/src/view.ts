@@ -22,6 +22,7 @@ import { boundsOf } from './geometry';
 import { type Masked, Materials } from './materials';
 import { Overlays } from './overlays';
 import type { Feature } from './protocol';
+import type { LitSide } from './shader';
 
 export type Style = 'shaded' | 'matcap' | 'flat' | 'edges';
 export type Theme = 'light' | 'dark';
@@ -46,6 +47,7 @@ export class View {
   readonly rendererName: string;
   readonly arrays: ShapeArrays;
   style: Style = 'shaded';
+  lit: LitSide = 'front';
   /** Shows the original shape. */
   showsOriginal = false;
   /** Position of the divider between before and after, relative to the width; `null` without a split. */
@@ -393,6 +395,7 @@ export class View {
       posed: false,
       cloud: beside.isCloud,
       clay: this.style === 'matcap',
+      lit: beside.lit,
       flat: this.style === 'flat',
       scalar: beside.hasScalar,
       classes: false,
@@ -416,6 +419,7 @@ export class View {
       posed: summed && arrays.isPosed,
       cloud: arrays.cloud,
       clay: this.style === 'matcap',
+      lit: this.lit,
       // The normals of the original do not fit the sum; while a handle is pulled, those of the edit turn with it.
       flat: (summed && !arrays.hasPulledNormals) || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
