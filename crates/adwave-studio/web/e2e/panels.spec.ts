@@ -101,10 +101,36 @@ test.describe('panels', () => {
     await expect(panel.getByText('Paint', { exact: true })).toHaveCount(1);
     await page.screenshot({ path: join(OUT, '42-brush-off.png') });
     await panel.getByRole('button', { name: 'Erase' }).click();
-    await expect(pressed).toHaveText(['Brush', 'Smooth', 'Erase']);
+    await expect(pressed).toHaveText(['Smooth', 'Erase']);
     await panel.getByRole('button', { name: 'Paint' }).click();
     await page.keyboard.press('b');
     await expect(pressed).toHaveCount(0);
+  });
+
+  test('exactly one tool is active beside the picture, and the cursor shows it', async ({ browser }) => {
+    const bar = page.getByRole('group', { name: 'Pointer' });
+    const expectTool = async (name: RegExp, cursor: string) => {
+      await expect(bar.locator('[aria-pressed=true]')).toHaveCount(1);
+      await expect(bar.getByRole('button', { name })).toHaveAttribute('aria-pressed', 'true');
+      await expect(page.locator('canvas.picture')).toHaveCSS('cursor', cursor);
+    };
+    await expectTool(/^Rotate/, 'auto');
+    await bar.getByRole('button', { name: /^Brush/ }).click();
+    await expectTool(/^Brush/, 'crosshair');
+    await bar.getByRole('button', { name: /^Grab/ }).click();
+    await expectTool(/^Grab/, 'grab');
+    await page.screenshot({ path: join(OUT, '52-tools.png') });
+    await page.keyboard.press('b');
+    await expectTool(/^Brush/, 'crosshair');
+    await page.keyboard.press('Escape');
+    await expectTool(/^Rotate/, 'auto');
+    const phone = await openPhone(browser);
+    await expect(phone.locator('.toasts'), 'the first visit').toContainText('Drag the shape');
+    await phone.screenshot({ path: join(OUT, '53-first-visit-390.png') });
+    await phone.reload();
+    await waitUntilReady(phone);
+    await expect(phone.locator('.toasts'), 'the second visit').not.toContainText('Drag the shape');
+    await phone.context().close();
   });
 
   for (const theme of ['light', 'dark']) {

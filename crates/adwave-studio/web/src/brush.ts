@@ -104,26 +104,6 @@ function isOfShapes(effect: string): boolean {
 }
 
 export function brushPanel(studio: Studio): HTMLElement {
-  const toggle = h(
-    'button',
-    {
-      type: 'button',
-      'aria-pressed': 'false',
-      title: text.brushOn,
-      onclick: () => studio.setBrush(!studio.isBrushOn),
-    },
-    text.brush,
-  );
-  const grabToggle = h(
-    'button',
-    {
-      type: 'button',
-      'aria-pressed': 'false',
-      title: text.grabOn,
-      onclick: () => studio.setGrab(!studio.isGrabOn),
-    },
-    text.grab,
-  );
   const radius = slider(
     text.radius,
     { min: 0.5, max: 30, step: 0.5, value: brush.radius },
@@ -143,13 +123,12 @@ export function brushPanel(studio: Studio): HTMLElement {
     null,
     (m) => {
       brush.mode = m;
-      studio.setBrush(true);
+      studio.setTool('brush');
     },
   );
   studio.on('tool', () => {
-    toggle.setAttribute('aria-pressed', String(studio.isBrushOn));
-    grabToggle.setAttribute('aria-pressed', String(studio.isGrabOn));
     section.classList.toggle('grabbing', studio.isGrabOn);
+    title.textContent = studio.isGrabOn ? text.grab : text.brush;
     // A clone has its own soft edge, and undo takes it back.
     section.classList.toggle('cloning', brush.effect === 'clone');
     radius.set(brush.radius);
@@ -164,7 +143,7 @@ export function brushPanel(studio: Studio): HTMLElement {
         title: text.effectHints[effect],
         onclick: () => {
           brush.effect = effect;
-          studio.setBrush(true);
+          studio.setTool('brush');
         },
       },
       text.effects[effect],
@@ -203,11 +182,11 @@ export function brushPanel(studio: Studio): HTMLElement {
     },
   );
   falloff.classList.add('falloff');
+  const title = h('h2', {}, text.brush);
   const section = h(
     'section',
     { class: 'brush-panel', id: 'brush', role: 'tabpanel', 'aria-label': text.brush },
-    h('header', {}, h('h2', {}, text.brush)),
-    h('div', { class: 'row tools' }, toggle, grabToggle),
+    h('header', {}, title),
     grabPanel(studio),
     h('div', { class: 'effects', role: 'group', 'aria-label': text.effect }, ...effects),
     effectHint,

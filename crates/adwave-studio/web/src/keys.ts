@@ -54,8 +54,8 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       view.markMoving();
     } else if (e.key === '?') showKeys();
     else if (e.key === '\\') studio.setBefore(true);
-    else if (key === 'b') studio.setBrush(!studio.isBrushOn);
-    else if (key === 'p') studio.setGrab(!studio.isGrabOn);
+    else if (key === 'b') studio.setTool(studio.isBrushOn ? 'look' : 'brush');
+    else if (key === 'p') studio.setTool(studio.isGrabOn ? 'look' : 'grab');
     else if (key === 'n') {
       brush.mode = brush.mode === 'add' ? 'subtract' : 'add';
       studio.emit('tool');
@@ -84,8 +84,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       if (layers[i]) studio.select(layers[i].key);
     } else if (key === 'Escape') {
       if (stage.escape()) return;
-      if (studio.isBrushOn) studio.setBrush(false);
-      if (studio.isGrabOn) studio.setGrab(false);
+      studio.setTool('look');
     } else if (target === view.canvas && e.key.startsWith('Arrow')) {
       const [dx, dy] = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[
         e.key

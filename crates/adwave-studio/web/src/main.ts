@@ -17,6 +17,7 @@ import { Stage } from './stage';
 import { Studio } from './studio';
 import { installTestHooks } from './test-hooks';
 import { text } from './text';
+import { toolbar } from './toolbar';
 import { comparisonPanel } from './tools';
 import { type Theme, View } from './view';
 
@@ -255,6 +256,8 @@ function announceShapes(studio: Studio): void {
   studio.on('shape', () => {
     const shape = studio.shape!;
     document.title = `${shape.name} – ${text.title}`;
+    if (!localStorage.getItem('adwave-visited')) studio.showMessage(text.firstVisit);
+    localStorage.setItem('adwave-visited', 'yes');
     if (shape.resumed && !announced.has(shape.id)) studio.showMessage(text.resumed);
     if (facesPointInward(shape) && !studio.isTurned) {
       const turn = () => {
@@ -325,6 +328,7 @@ export function start(options: StartOptions): void {
     look.card,
     look.legend,
     look.frames,
+    toolbar(studio),
     scaleBar(view),
     comparisonPanel(studio),
     studio.beside.labels(),

@@ -313,7 +313,7 @@ function kindSelect(context: RegionContext, region: Region | null, kind: RegionC
     string,
   ][];
   return select<RegionChoice>(text.where, choices, kind, (next) => {
-    if (next === 'painted') studio.setBrush(true);
+    if (next === 'painted') studio.setTool('brush');
     if (next === 'stroke') {
       drawLine(studio, key, 0.04 * shape.diagonal);
       return;

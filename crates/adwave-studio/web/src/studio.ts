@@ -61,6 +61,8 @@ export type Topic =
   | 'solo'
   | 'turned';
 
+export type PointerTool = 'look' | 'brush' | 'grab';
+
 /** A link at the end of a message. */
 export interface MessageLink {
   label: string;
@@ -101,9 +103,8 @@ export class Studio {
   spectrum: number[] = [];
   /** Compared method shown instead of the original. */
   comparison: ShownComparison | null = null;
-  isBrushOn = false;
-  /** True while the pointer pulls and pins. */
-  isGrabOn = false;
+  /** Action of the pointer on the picture: to turn it and read out places, to paint, or to pull and pin. */
+  tool: PointerTool = 'look';
   /** Vertex from which the brush clones detail. */
   cloneSource: number | null = null;
   /** True if the view shows faces that point inward as if they pointed outward. The file keeps them. */
@@ -176,6 +177,14 @@ export class Studio {
 
   emit(topic: Topic): void {
     for (const listener of this.listeners.get(topic) ?? []) listener();
+  }
+
+  get isBrushOn(): boolean {
+    return this.tool === 'brush';
+  }
+
+  get isGrabOn(): boolean {
+    return this.tool === 'grab';
   }
 
   get doc(): Doc {
@@ -417,6 +426,7 @@ export class Studio {
   set onPickVertex(next: ((vertex: number) => void) | null) {
     this.withdrawRequest();
     this.picked = next;
+    this.view.canvas.classList.toggle('picking', next !== null);
   }
 
   /** Asks for a click on a vertex; the request stays until there is one, or the pick is cancelled. */
@@ -501,15 +511,8 @@ export class Studio {
     this.emit('turned');
   }
 
-  setBrush(on: boolean): void {
-    this.isBrushOn = on;
-    if (on) this.isGrabOn = false;
-    this.emit('tool');
-  }
-
-  setGrab(on: boolean): void {
-    this.isGrabOn = on;
-    if (on) this.isBrushOn = false;
+  setTool(tool: PointerTool): void {
+    this.tool = tool;
     this.emit('tool');
   }
 

@@ -16,6 +16,13 @@ export const text = {
   help: 'Keyboard shortcuts (?)',
   file: 'File',
   save: 'Save',
+  pointer: 'Pointer',
+  pointerTools: {
+    look: 'Rotate and read out (Esc)',
+    brush: 'Brush (B)',
+    grab: 'Grab: pull and pin (P)',
+  },
+  firstVisit: 'Drag the shape to rotate it. Move a slider to weaken or strengthen detail of its width.',
   stage: 'The shape. Drag or use the arrow keys to rotate.',
   beforeShort: 'Before',
   afterShort: 'After',
@@ -222,7 +229,6 @@ export const text = {
   },
   nothingToErase: 'There is nothing to erase or soften yet. Paint first.',
   brush: 'Brush',
-  brushOn: 'Brush on or off (B)',
   brushOff: 'Choose an effect and paint on the shape.',
   brushMode: 'Brush mode',
   add: 'Paint',
@@ -243,7 +249,6 @@ export const text = {
 
   // Grab
   grab: 'Grab',
-  grabOn: 'Grab on or off (P)',
   grabMode: 'Grab mode',
   grabModes: [
     ['pull', 'Pull'],
