@@ -146,3 +146,43 @@ test('a large shape that is pulled has smooth shading, and its displacement is t
     await studio.end();
   }
 });
+
+/** A near square before a far one, of white points, as a PLY of text. */
+function twoSheets(): string {
+  const rows: string[] = [];
+  const sheet = (n: number, half: number, z: number) => {
+    for (let i = 0; i <= n; i++)
+      for (let j = 0; j <= n; j++)
+        rows.push(`${half * ((2 * i) / n - 1)} ${half * ((2 * j) / n - 1)} ${z} 255 255 255`);
+  };
+  sheet(160, 1, 0);
+  sheet(60, 0.3, 0.5);
+  const properties = ['x', 'y', 'z'].map((name) => `property double ${name}`);
+  const colors = ['red', 'green', 'blue'].map((name) => `property uchar ${name}`);
+  const head = ['ply', 'format ascii 1.0', `element vertex ${rows.length}`, ...properties, ...colors];
+  return [...head, 'end_header', ...rows, ''].join('\n');
+}
+
+test('points of a cloud are darker beside nearer ones', async ({ browser }) => {
+  const path = join(OUT, 'two-sheets.ply');
+  writeFileSync(path, twoSheets());
+  const studio = await openStudio(browser, 'cloud', path);
+  const { page } = studio;
+  try {
+    await page.keyboard.press('1');
+    await page.waitForTimeout(REST);
+    const { width, height, channels, pixels } = await takePicture(page, '54-cloud.png');
+    const row = Array.from({ length: width >> 1 }, (_, i) => {
+      // Mean of a few rows, of which some lie between points.
+      let sum = 0;
+      for (let dy = 0; dy < 40; dy++)
+        sum += pixels[((height >> 1) + dy) * width * channels + (i + (width >> 1)) * channels]!;
+      return sum / 40;
+    });
+    const onSheet = row.slice(0, 60).reduce((sum, x) => sum + x, 0) / 60;
+    expect(Math.min(...row.slice(0, 200)), 'the edge of the near sheet').toBeLessThan(0.8 * onSheet);
+    expect(Math.min(...row.slice(0, 40)), 'no edge within the near sheet').toBeGreaterThan(0.93 * onSheet);
+  } finally {
+    await studio.end();
+  }
+});

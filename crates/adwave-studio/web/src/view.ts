@@ -18,6 +18,7 @@ import { type BesideArrays, BesideShape } from './beside-shape';
 import { Camera } from './camera';
 import { type Clip, clipEquation, isClipped } from './clip';
 import type { MapName } from './colors';
+import { EyeDome } from './eye-dome';
 import { boundsOf } from './geometry';
 import { type Masked, Materials } from './materials';
 import { Overlays } from './overlays';
@@ -61,6 +62,7 @@ export class View {
   private readonly besideScene = new Scene();
   private readonly materials = new Materials();
   private readonly overlays: Overlays;
+  private readonly eyeDome = new EyeDome();
   /** Plane that cuts the shape; `null` if it is whole. */
   clip: Clip | null = null;
   private bounds = { low: [0, 0, 0], high: [0, 0, 0] };
@@ -351,8 +353,12 @@ export class View {
     // The lower left corner of the first half; rows are counted from below.
     const bottom = this.halves === 'below' ? part.height : 0;
     if (this.beside) renderer.setViewport(0, bottom, part.width, part.height);
-    if (this.split === null && !this.beside) this.drawShape(this.showsOriginal, coarse);
-    else {
+    const drawWhole = () => this.drawShape(this.showsOriginal, coarse);
+    if (this.split === null && !this.beside) {
+      if (this.arrays.cloud && (this.isAtRest || !this.software))
+        this.eyeDome.light(renderer, this.camera.three, drawWhole);
+      else drawWhole();
+    } else {
       renderer.setScissorTest(true);
       if (this.split === null) {
         renderer.setScissor(0, bottom, part.width, part.height);
