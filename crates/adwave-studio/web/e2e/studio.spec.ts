@@ -256,10 +256,10 @@ async function visitViews(tour: Tour): Promise<void> {
     await colors.selectOption('none');
   }
   await page.locator('.side-tabs [data-tab=look]').click();
-  await page.locator('#look .check input').first().check();
+  await page.getByLabel('Features', { exact: true }).check();
   await page.waitForTimeout(1500);
   await takePicture(tour, '9-features');
-  await page.locator('#look .check input').first().uncheck();
+  await page.getByLabel('Features', { exact: true }).uncheck();
   for (const name of ['matcap', 'flat', 'edges', 'shaded']) {
     await page.keyboard.press('m');
     await page.waitForTimeout(300);
