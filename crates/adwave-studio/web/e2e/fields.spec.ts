@@ -368,6 +368,7 @@ test.describe
     test('a slider chooses a frame, and all frames have the same colors', async () => {
       await expect(page.locator('.toasts')).toContainText('a field of 80 frames');
       expect(await at()).toBe(1);
+      await expect(page.locator('.legend')).toBeVisible();
       const numbers = await legendNumbers();
       const first = await page.locator('canvas.picture').screenshot();
       await bar().getByRole('slider').fill('39');

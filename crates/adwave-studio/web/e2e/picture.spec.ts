@@ -27,18 +27,18 @@ const takePicture = async (page: Page, name: string): Promise<PngImage> => {
 const pixelRatio = (page: Page) =>
   page.locator('canvas.picture').evaluate((canvas: HTMLCanvasElement) => canvas.width / canvas.clientWidth);
 
-/** Share of the rows whose first pixel of the shape is a blend of its color and that of the paper. */
+/** Share of the rows whose last pixel of the shape is a blend of its color and that of the paper. */
 function smoothShare({ width, height, channels, pixels }: PngImage): number {
   const at = (x: number, y: number) => pixels[(y * width + x) * channels]!;
   const paper = at(width - 4, height >> 1);
   let [rows, smooth] = [0, 0];
   // Below the readouts, and above the scale.
   for (let y = 110; y < height - 100; y++) {
-    let x = 4;
-    while (x < width - 8 && Math.abs(at(x, y) - paper) < 6) x++;
-    if (x === width - 8) continue;
+    let x = width - 4;
+    while (x > width / 2 && Math.abs(at(x, y) - paper) < 6) x--;
+    if (x <= width / 2) continue;
     rows++;
-    if (Math.abs(at(x, y) - paper) < 0.75 * Math.abs(at(x + 1, y) - paper)) smooth++;
+    if (Math.abs(at(x, y) - paper) < 0.75 * Math.abs(at(x - 1, y) - paper)) smooth++;
   }
   return smooth / rows;
 }
@@ -92,6 +92,35 @@ test.describe('a small shape', () => {
     await page.mouse.up();
     await page.waitForTimeout(REST);
     expect(await pixelRatio(page)).toBe(2);
+  });
+
+  test('has figures that are legible over it, in both themes', async () => {
+    const luminance = (rgb: readonly number[]) => {
+      const [r, g, b] = rgb.map((c) =>
+        c / 255 <= 0.04 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4,
+      );
+      return 0.2126 * r! + 0.7152 * g! + 0.0722 * b!;
+    };
+    const { x, y } = await pictureFrame(page);
+    await page.mouse.move(x, y);
+    for (let k = 0; k < 8; k++) await page.mouse.wheel(0, -150);
+    for (const theme of ['light', 'dark']) {
+      await page.waitForTimeout(REST);
+      const label = page.locator('.readouts dt').last();
+      const color = await label.evaluate((dt) => getComputedStyle(dt).color.match(/\d+/g)!.map(Number));
+      const box = (await label.locator('..').boundingBox())!;
+      // The left margin of the text, without round corners.
+      const clip = { x: Math.ceil(box.x) + 1, y: Math.ceil(box.y) + 5, width: 2, height: 20 };
+      const { channels, pixels } = decodePng(await page.screenshot({ clip }));
+      for (let k = 0; k < pixels.length; k += channels) {
+        const behind = luminance([...pixels.subarray(k, k + 3)]);
+        const [low, high] = [behind, luminance(color)].sort((a, b) => a - b) as [number, number];
+        expect((high + 0.05) / (low + 0.05), theme).toBeGreaterThan(4.5);
+      }
+      await page.screenshot({ path: join(OUT, `55-figures-${theme}.png`) });
+      await page.getByRole('button', { name: 'Light or dark' }).click();
+    }
+    await page.keyboard.press('f');
   });
 
   test('enables its sliders with the edit that is restored', async () => {
