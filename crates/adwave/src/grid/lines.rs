@@ -140,32 +140,14 @@ impl<'a> Lines<'a> {
         approximation: &Approximation,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        let Self { n, inner, kind } = *self;
-        let time = self.time(time);
-        let is_leveled = self.is_leveled(time);
-        let weights: Vec<[f64; 2]> = match kind {
-            LineKind::Uneven(sides) => sides.iter().map(|side| side.map(|weight| time * weight)).collect(),
-            LineKind::Even | LineKind::Ring => vec![[time; 2]; n],
-        };
-        let ends = match kind {
-            LineKind::Ring if n > 2 => Ends::Joined,
-            LineKind::Even | LineKind::Ring => Ends::Reflecting,
-            LineKind::Uneven(_) => Ends::Weighted,
-        };
-        let pairs = if is_leveled { &[] } else { approximation.pairs };
-        let solvers: Vec<Solver> = pairs.iter().map(|&(z, c)| Solver::new(&weights, z, c, ends)).collect();
-        let solve = TileSolve { solvers: &solvers, weights: &weights, ends, is_leveled };
+        let Self { n, inner, .. } = *self;
+        let solve = self.solve(time, approximation);
         let block = n * inner;
         if values.len() / block >= FEWEST_BLOCKS {
             // Lines that lie together are solved in place.
             let n_blocks = (AT_A_TIME * TOGETHER).div_ceil(inner);
             return parallel::try_visit_rows(values, block, n_blocks, progress, |_, rows| {
-                let (mut work, mut tile) = (Work::new(n), vec![0.0; n * TOGETHER]);
-                for line in (0..rows.len() / n).step_by(TOGETHER) {
-                    self.read_tile(rows, line, &mut tile);
-                    solve.run(&mut work, &mut tile);
-                    self.write_tile(&tile, line, rows);
-                }
+                self.diffuse_blocks(&solve, rows);
             });
         }
         // Lines far apart in memory are solved in a buffer, a section of them after the other.
@@ -192,6 +174,34 @@ impl<'a> Lines<'a> {
             first = end;
         }
         Ok(())
+    }
+
+    /// The solves of lines for a time.
+    pub(crate) fn solve(&self, time: f64, approximation: &Approximation) -> TileSolve {
+        let time = self.time(time);
+        let is_leveled = self.is_leveled(time);
+        let weights: Vec<[f64; 2]> = match self.kind {
+            LineKind::Uneven(sides) => sides.iter().map(|side| side.map(|weight| time * weight)).collect(),
+            LineKind::Even | LineKind::Ring => vec![[time; 2]; self.n],
+        };
+        let ends = match self.kind {
+            LineKind::Ring if self.n > 2 => Ends::Joined,
+            LineKind::Even | LineKind::Ring => Ends::Reflecting,
+            LineKind::Uneven(_) => Ends::Weighted,
+        };
+        let pairs = if is_leveled { &[] } else { approximation.pairs };
+        let solvers = pairs.iter().map(|&(z, c)| Solver::new(&weights, z, c, ends)).collect();
+        TileSolve { solvers, weights, ends, is_leveled }
+    }
+
+    /// Diffuses all lines of some blocks of n × inner values, on the calling thread.
+    pub(crate) fn diffuse_blocks(&self, solve: &TileSolve, blocks: &mut [f64]) {
+        let (mut work, mut tile) = (Work::new(self.n), vec![0.0; self.n * TOGETHER]);
+        for line in (0..blocks.len() / self.n).step_by(TOGETHER) {
+            self.read_tile(blocks, line, &mut tile);
+            solve.run(&mut work, &mut tile);
+            self.write_tile(&tile, line, blocks);
+        }
     }
 
     /// Copies the tiles of a section of lines to their places.
@@ -266,18 +276,19 @@ impl Lines<'_> {
     }
 }
 
-/// The solves of one tile of lines.
-struct TileSolve<'a> {
-    solvers: &'a [Solver],
-    weights: &'a [[f64; 2]],
+/// The solves of tiles of lines for a time.
+pub(crate) struct TileSolve {
+    solvers: Vec<Solver>,
+    weights: Vec<[f64; 2]>,
     ends: Ends,
     is_leveled: bool,
 }
 
-impl TileSolve<'_> {
+impl TileSolve {
     fn run(&self, work: &mut Work, tile: &mut [f64]) {
-        let &Self { solvers, weights, ends, is_leveled } = self;
-        if is_leveled {
+        let Self { solvers, weights, ends, is_leveled } = self;
+        let ends = *ends;
+        if *is_leveled {
             level(tile);
         } else {
             pulp::Arch::new().dispatch(DiffuseTile { work, tile, solvers, weights, ends });

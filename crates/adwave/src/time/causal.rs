@@ -4,8 +4,6 @@
 //! variance μ² + μ, in frames (`lindeberg2016`). Variances and delays of filters in turn add up, so the widths of a
 //! schedule are reached one after another, and bands telescope as those of heat do.
 
-use crate::{Cancelled, Progress, parallel};
-
 /// Filters from one width to the next. More are closer to a Gaussian, and later: by √n standard deviations.
 const FILTERS: usize = 2;
 
@@ -28,33 +26,25 @@ impl Cascade {
         FILTERS as f64 * self.mu
     }
 
-    /// Filters values, places × frames × components, in place. `uneven` are the gaps between frames and their mean, if they
-    /// differ: a filter then takes the step to the next frame in proportion.
-    pub(super) fn apply(
-        &self,
-        values: &mut [f64],
-        n_frames: usize,
-        n_components: usize,
-        uneven: Option<(&[f64], f64)>,
-        progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
+    /// Share of the way to the next frame's value that a filter goes, for each frame but the first. `uneven` are the gaps
+    /// between frames and their mean, if they differ: a filter then takes the step to the next frame in proportion.
+    pub(super) fn shares(&self, n_frames: usize, uneven: Option<(&[f64], f64)>) -> Vec<f64> {
         let share = |k: usize| match uneven {
             Some((gaps, mean)) => 1.0 / (1.0 + self.mu * mean / gaps[k - 1]),
             None => 1.0 / (1.0 + self.mu),
         };
-        let shares: Vec<f64> = (1..n_frames).map(share).collect();
-        let row = n_frames * n_components;
-        parallel::try_visit_rows(values, row, super::rows_at_a_time(row), progress, |_, rows| {
-            for row in rows.chunks_exact_mut(row) {
-                for _ in 0..FILTERS {
-                    for (k, share) in shares.iter().enumerate() {
-                        let (before, here) = row[k * n_components..].split_at_mut(n_components);
-                        for (x, y) in here.iter_mut().zip(before) {
-                            *x = *y + (*x - *y) * share;
-                        }
-                    }
-                }
+        (1..n_frames).map(share).collect()
+    }
+}
+
+/// Filters a row, frames × components, in place by the shares of a [`Cascade`].
+pub(super) fn filter_row(shares: &[f64], n_components: usize, row: &mut [f64]) {
+    for _ in 0..FILTERS {
+        for (k, share) in shares.iter().enumerate() {
+            let (before, here) = row[k * n_components..].split_at_mut(n_components);
+            for (x, y) in here.iter_mut().zip(before) {
+                *x = *y + (*x - *y) * share;
             }
-        })
+        }
     }
 }

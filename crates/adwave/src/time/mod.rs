@@ -27,16 +27,16 @@
 
 mod causal;
 
-use crate::grid::lines::{APPROXIMATIONS, Approximation, LineKind, Lines};
+use crate::grid::lines::{APPROXIMATIONS, Approximation, LineKind, Lines, TileSolve};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
-use causal::Cascade;
+use causal::{Cascade, filter_row};
 use thiserror::Error;
 
 /// Values that a thread takes at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
 
-/// Values that are filtered together, which bounds the memory beyond the signal.
-const VALUES_TOGETHER: usize = 1 << 22;
+/// Parts of that size from one report of progress to the next.
+const PARTS_TOGETHER: usize = 256;
 
 /// Largest difference between steps that count as equal, relative to their mean.
 const EVEN: f64 = 1e-6;
@@ -224,7 +224,7 @@ impl TimeAxis {
             return 0.0;
         }
         let step = self.step();
-        levels(widths).map(|(from, to)| step * Cascade::new(from / step, to / step).delay()).sum()
+        pairs(widths).map(|(from, to)| step * Cascade::new(from / step, to / step).delay()).sum()
     }
 
     /// Smooths `values`, places × frames × `n_components` with the last index fastest, by the width σ along time.
@@ -260,36 +260,30 @@ impl TimeAxis {
         Self::check_gains(widths.len(), gains)?;
         let is_smoothing = gains.iter().all(|gain| *gain == 0.0);
         let row = self.n_frames * n_components;
-        let together = (VALUES_TOGETHER / row).max(1) * row;
+        let levels = self.levels(n_components, widths);
+        let together = rows_at_a_time(row) * PARTS_TOGETHER * row;
         let n_blocks = values.len().div_ceil(together);
         for (k, block) in values.chunks_mut(together).enumerate() {
             progress.step(k as u64, n_blocks as u64)?;
-            let progress = progress.quiet();
-            let given = block.to_vec();
-            let mut scaling = filled(&given, row, progress)?;
-            let mut before = if is_smoothing { Vec::new() } else { scaling.clone() };
-            for (gain, (from, to)) in gains.iter().zip(levels(widths)) {
-                self.advance(&mut scaling, n_components, from, to, progress)?;
-                if is_smoothing {
-                    continue;
-                }
-                let (finer, coarser) = (&before, &scaling);
-                parallel::try_visit_rows(block, row, rows_at_a_time(row), progress, |first, rows| {
-                    let at = first * row..;
-                    for ((value, b), s) in rows.iter_mut().zip(&finer[at.clone()]).zip(&coarser[at]) {
-                        *value += (gain - 1.0) * (b - s);
+            parallel::try_visit_rows(block, row, rows_at_a_time(row), progress.quiet(), |_, rows| {
+                let (mut scaling, mut finer) = (rows.to_vec(), Vec::new());
+                fill_unknown(&mut scaling, row);
+                for (gain, level) in gains.iter().zip(&levels) {
+                    if is_smoothing {
+                        level.advance(&mut scaling);
+                        continue;
                     }
-                })?;
-                before.copy_from_slice(&scaling);
-            }
-            let scaling = &scaling;
-            parallel::try_visit_rows(block, row, rows_at_a_time(row), progress, |first, rows| {
-                for (k, rows) in rows.chunks_exact_mut(row).enumerate() {
-                    let range = (first + k) * row..(first + k + 1) * row;
-                    if given[range.clone()].iter().any(|value| !value.is_finite()) {
-                        rows.copy_from_slice(&given[range]);
-                    } else if is_smoothing {
-                        rows.copy_from_slice(&scaling[range]);
+                    finer.clone_from(&scaling);
+                    level.advance(&mut scaling);
+                    for ((value, finer), coarser) in rows.iter_mut().zip(&finer).zip(&scaling) {
+                        *value += (gain - 1.0) * (finer - coarser);
+                    }
+                }
+                if is_smoothing {
+                    for (own, smooth) in rows.chunks_exact_mut(row).zip(scaling.chunks_exact(row)) {
+                        if own.iter().all(|value| value.is_finite()) {
+                            own.copy_from_slice(smooth);
+                        }
                     }
                 }
             })?;
@@ -311,20 +305,24 @@ impl TimeAxis {
     ) -> Result<Vec<Vec<f64>>, TimeError> {
         self.check(values.len(), n_components, widths)?;
         let row = self.n_frames * n_components;
-        let mut scaling = filled(values, row, progress)?;
+        let mut scaling = values.to_vec();
+        let visit = |values: &mut [f64], work: &(dyn Fn(usize, &mut [f64]) + Sync)| {
+            parallel::try_visit_rows(values, row, rows_at_a_time(row), progress, work)
+        };
+        visit(&mut scaling, &|_, rows| fill_unknown(rows, row))?;
         let mut bands = Vec::with_capacity(widths.len() + 1);
-        for (from, to) in levels(widths) {
+        for level in self.levels(n_components, widths) {
             let mut band = scaling.clone();
-            self.advance(&mut scaling, n_components, from, to, progress)?;
+            visit(&mut scaling, &|_, rows| level.advance(rows))?;
             let scaling = &scaling;
-            parallel::try_visit_rows(&mut band, row, rows_at_a_time(row), progress, |first, rows| {
+            visit(&mut band, &|first, rows| {
                 rows.iter_mut().zip(&scaling[first * row..]).for_each(|(b, s)| *b -= s);
             })?;
             bands.push(band);
         }
         bands.push(scaling);
         for band in &mut bands {
-            parallel::try_visit_rows(band, row, rows_at_a_time(row), progress, |first, rows| {
+            visit(band, &|first, rows| {
                 for (k, rows) in rows.chunks_exact_mut(row).enumerate() {
                     let range = (first + k) * row..(first + k + 1) * row;
                     if values[range].iter().any(|value| !value.is_finite()) {
@@ -368,15 +366,13 @@ impl TimeAxis {
         Ok(())
     }
 
-    /// Smooths values of the width `from` further, to the width `to`.
-    fn advance(
-        &self,
-        values: &mut [f64],
-        n_components: usize,
-        from: f64,
-        to: f64,
-        progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
+    /// The steps from each width to the next, from 0.
+    fn levels(&self, n_components: usize, widths: &[f64]) -> Vec<Level<'_>> {
+        pairs(widths).map(|(from, to)| self.level(n_components, from, to)).collect()
+    }
+
+    /// The step from the width `from` to the width `to`.
+    fn level(&self, n_components: usize, from: f64, to: f64) -> Level<'_> {
         /// The most exact one, whose errors are those of rounding.
         const APPROXIMATION: &Approximation = &APPROXIMATIONS[1];
         if self.ends == TimeEnds::Causal {
@@ -385,7 +381,7 @@ impl TimeAxis {
                 FrameSteps::Uneven { gaps, .. } => Some((gaps.as_slice(), self.step())),
             };
             let cascade = Cascade::new(from / self.step(), to / self.step());
-            return cascade.apply(values, self.n_frames, n_components, gaps, progress);
+            return Level::Causal { shares: cascade.shares(self.n_frames, gaps), n_components };
         }
         // The variance along the axis is half of σ², and twice the time of heat.
         let time = 0.25 * (to - from) * (to + from);
@@ -394,7 +390,28 @@ impl TimeAxis {
             (FrameSteps::Even(step), TimeEnds::Periodic) => (LineKind::Ring, time / (step * step)),
             (FrameSteps::Even(step), _) => (LineKind::Even, time / (step * step)),
         };
-        Lines::new(self.n_frames, n_components, kind).diffuse(values, time, APPROXIMATION, progress)
+        let lines = Lines::new(self.n_frames, n_components, kind);
+        Level::Heat { solve: lines.solve(time, APPROXIMATION), lines }
+    }
+}
+
+/// Smoothing from one width to the next, prepared.
+enum Level<'a> {
+    Heat { lines: Lines<'a>, solve: TileSolve },
+    Causal { shares: Vec<f64>, n_components: usize },
+}
+
+impl Level<'_> {
+    /// Smooths rows of values, frames × components, in place.
+    fn advance(&self, rows: &mut [f64]) {
+        match self {
+            Self::Heat { lines, solve } => lines.diffuse_blocks(solve, rows),
+            Self::Causal { shares, n_components } => {
+                for row in rows.chunks_exact_mut((shares.len() + 1) * n_components) {
+                    filter_row(shares, *n_components, row);
+                }
+            }
+        }
     }
 }
 
@@ -404,19 +421,15 @@ fn rows_at_a_time(row: usize) -> usize {
 }
 
 /// Pairs of consecutive widths, from 0.
-fn levels(widths: &[f64]) -> impl Iterator<Item = (f64, f64)> + '_ {
+fn pairs(widths: &[f64]) -> impl Iterator<Item = (f64, f64)> + '_ {
     std::iter::once(0.0).chain(widths.iter().copied()).zip(widths.iter().copied())
 }
 
-/// Values with 0 in each row that has one that is not finite: rows side by side are solved together.
-fn filled(values: &[f64], row: usize, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
-    let mut filled = values.to_vec();
-    parallel::try_visit_rows(&mut filled, row, rows_at_a_time(row), progress, |_, rows| {
-        for row in rows.chunks_exact_mut(row) {
-            if row.iter().any(|value| !value.is_finite()) {
-                row.fill(0.0);
-            }
+/// Fills each row that has a value that is not finite with 0: rows side by side are solved together.
+fn fill_unknown(values: &mut [f64], row: usize) {
+    for row in values.chunks_exact_mut(row) {
+        if row.iter().any(|value| !value.is_finite()) {
+            row.fill(0.0);
         }
-    })?;
-    Ok(filled)
+    }
 }
