@@ -10,6 +10,7 @@ use adwave_io::{
     ArrayValues, Format, MovedNormals, ReadError, ShapeFile, ShapeFrames, read_gltf_animation, read_npy,
     read_path_with, write_glb_animation, write_npy,
 };
+use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
@@ -17,8 +18,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct Frames {
     /// The first frame, with what its file has.
     pub(super) shape: ShapeFile,
-    /// Positions of each frame.
-    pub(super) points: Vec<Vec<[f64; 3]>>,
+    /// Positions, vertices × frames.
+    pub(super) positions: Vec<[f64; 3]>,
+    /// Number of frames.
+    pub(super) length: usize,
     /// Seconds from frame to frame, if the file states them.
     pub(super) step: Option<f64>,
     /// Names of the files, if each frame has its own.
@@ -48,11 +51,11 @@ impl Frames {
         } else {
             Self::from_files(list(&path)?, source.frames, global)?
         };
-        if frames.points.len() < 2 {
+        if frames.length < 2 {
             return Err(CliError::Input(format!(
                 "{} has {}, and an animation has two or more",
                 source.frames,
-                count(frames.points.len(), "frame", "frames")
+                count(frames.length, "frame", "frames")
             )));
         }
         if frames.shape.n_vertices() == 0 || frames.shape.points().is_empty() {
@@ -69,7 +72,12 @@ impl Frames {
         for text in notes {
             note(global, &text);
         }
-        Ok(Self { shape, points: frames, step: Some(step), names: Vec::new() })
+        let n_frames = frames.len();
+        let mut positions = vec![[0.0; 3]; shape.n_vertices() * n_frames];
+        positions.par_chunks_mut(n_frames.max(1)).enumerate().for_each(|(x, row)| {
+            row.iter_mut().zip(&frames).for_each(|(position, frame)| *position = frame[x]);
+        });
+        Ok(Self { shape, positions, length: n_frames, step: Some(step), names: Vec::new() })
     }
 
     fn from_array(mesh: &Path, positions: &Path, global: &Global<'_>) -> Result<Self, CliError> {
@@ -91,10 +99,14 @@ impl Frames {
                 mesh.display()
             )));
         }
-        let values = values.to_f64();
-        let point = |t: usize, x: usize| std::array::from_fn(|c| values[(3 * x + c) * n_frames + t]);
-        let points = (0..n_frames).map(|t| (0..n).map(|x| point(t, x)).collect()).collect();
-        Ok(Self { shape, points, step: None, names: Vec::new() })
+        let mut positions = vec![[0.0; 3]; n * n_frames];
+        let rows = positions.par_chunks_mut(n_frames.max(1)).enumerate();
+        rows.for_each(|(x, row)| {
+            for (t, position) in row.iter_mut().enumerate() {
+                *position = std::array::from_fn(|c| values.get((3 * x + c) * n_frames + t));
+            }
+        });
+        Ok(Self { shape, positions, length: n_frames, step: None, names: Vec::new() })
     }
 
     fn from_files(paths: Vec<PathBuf>, name: &str, global: &Global<'_>) -> Result<Self, CliError> {
@@ -106,7 +118,12 @@ impl Frames {
             )));
         };
         let shape = read(first, global)?;
-        let mut points = vec![shape.points().to_vec()];
+        let n_frames = paths.len();
+        let mut positions = vec![[0.0; 3]; shape.n_vertices() * n_frames];
+        let mut place = |t: usize, points: &[[f64; 3]]| {
+            positions.chunks_exact_mut(n_frames).zip(points).for_each(|(row, point)| row[t] = *point);
+        };
+        place(0, shape.points());
         with_progress(global, "reading", |progress| {
             for (k, path) in paths.iter().enumerate().skip(1) {
                 progress.step(k as u64, paths.len() as u64).map_err(|_| CliError::Cancelled)?;
@@ -124,11 +141,16 @@ impl Frames {
                 if frame.faces() != shape.faces() || frame.edges() != shape.edges() {
                     return differs(format!("its faces are others than those of {}", first.display()));
                 }
-                points.push(frame.points().to_vec());
+                place(k, frame.points());
             }
             Ok(())
         })?;
-        Ok(Self { shape, points, step: None, names: paths })
+        Ok(Self { shape, positions, length: n_frames, step: None, names: paths })
+    }
+
+    /// The positions of a frame.
+    pub(super) fn frame(&self, t: usize) -> Vec<[f64; 3]> {
+        self.positions.iter().skip(t).step_by(self.length).copied().collect()
     }
 
     /// Refuses a result that cannot be written, before any work.
@@ -142,7 +164,7 @@ impl Frames {
                         "{}: there are {} frames, and this is the name of one file; name a folder, a pattern such as \
                          'out/*.ply', a .glb or a .npy",
                         output.display(),
-                        self.points.len()
+                        self.length
                     )));
                 }
                 let Some(first) = self.names.first() else {
@@ -168,20 +190,26 @@ impl Frames {
     }
 
     /// Writes the frames, and returns what was written.
-    pub(super) fn write(&self, output: &Path, step: f64, global: &Global<'_>) -> Result<String, CliError> {
+    pub(super) fn write(mut self, output: &Path, step: f64, global: &Global<'_>) -> Result<String, CliError> {
+        let n_frames = self.length;
         match Output::new(output) {
             Output::Array => {
-                let (n, n_frames) = (self.shape.n_vertices(), self.points.len());
-                let value = |k: usize| self.points[k % n_frames][k / n_frames / 3][k / n_frames % 3];
-                let values: Vec<f64> = (0..3 * n * n_frames).map(value).collect();
-                write_file_with(global, output, |path| {
-                    write_npy(path, &[n, 3, n_frames], ArrayValues::F64(&values))
-                })?;
+                // In place: frames × 3 becomes 3 × frames at each vertex.
+                self.positions.par_chunks_exact_mut(n_frames).for_each_init(Vec::new, |row, own| {
+                    row.clear();
+                    row.extend_from_slice(own);
+                    for (k, value) in own.as_flattened_mut().iter_mut().enumerate() {
+                        *value = row[k % n_frames][k / n_frames];
+                    }
+                });
+                let (sizes, values) = ([self.shape.n_vertices(), 3, n_frames], self.positions.as_flattened());
+                write_file_with(global, output, |path| write_npy(path, &sizes, ArrayValues::F64(values)))?;
                 return Ok(output.display().to_string());
             }
             Output::Glb => {
+                let frames: Vec<_> = (0..n_frames).into_par_iter().map(|t| self.frame(t)).collect();
                 let report = write_file_with(global, output, |path| {
-                    write_glb_animation(path, &self.shape, &self.points, step, global.progress())
+                    write_glb_animation(path, &self.shape, &frames, step, global.progress())
                 })?;
                 for text in report.notes {
                     note(global, &format!("{}: {text}", output.display()));
@@ -195,8 +223,8 @@ impl Frames {
             make_folder(folder)?;
         }
         let mut file = self.shape.clone();
-        for (path, points) in paths.iter().zip(&self.points) {
-            file.move_points(points.clone(), MovedNormals::Follow, global.progress())?;
+        for (t, path) in paths.iter().enumerate() {
+            file.move_points(self.frame(t), MovedNormals::Follow, global.progress())?;
             write_shape(global, &file, path)?;
         }
         let (first, last) = (paths[0].display(), paths[paths.len() - 1].display());
@@ -205,7 +233,7 @@ impl Frames {
 
     /// The path of each frame in a folder or by a pattern.
     fn paths(&self, output: &Path) -> Vec<PathBuf> {
-        let n = self.points.len();
+        let n = self.length;
         if Output::new(output) == Output::Folder {
             return self.names.iter().map(|name| output.join(name.file_name().unwrap_or_default())).collect();
         }

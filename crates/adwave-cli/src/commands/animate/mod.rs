@@ -41,7 +41,7 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let mut frames = Frames::read(&source, global)?;
     frames.check_output(&args.output)?;
-    let (n_frames, n) = (frames.points.len(), frames.shape.n_vertices());
+    let (n_frames, n) = (frames.length, frames.shape.n_vertices());
     let stated = frames.step;
     let step = given_step.or(stated).unwrap_or(STEP);
     let is_glb = Format::from_path(&args.output) == Some(Format::GLB);
@@ -72,15 +72,14 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
     }
     let needs_domain = args.denoise || args.gains.is_some() || args.motion.is_some();
     let decomposer = needs_domain.then(|| prepare(&frames, unknown.as_deref(), global)).transpose()?;
-    let before = motion::series(&frames);
-    let mut series = before.clone();
+    let before = frames.positions.clone();
     if let Some(decomposer) = decomposer.as_ref().filter(|_| args.denoise) {
         let params = DenoiseParams::default().with_strength(args.strength.unwrap_or(1.0));
         let denoised = with_progress(global, "denoising", |progress| {
-            denoise_series(decomposer, &axis, &series, 3, &params, progress)
+            denoise_series(decomposer, &axis, before.as_flattened(), 3, &params, progress)
         })
         .map_err(|e| CliError::classify(&e))?;
-        restore(unknown.as_deref(), &before, &denoised.values, &mut series);
+        frames.positions = restored(unknown.as_deref(), &before, &denoised.values);
         describe_series(&mut text, &axis, &denoised.info);
         report["denoise"] = json!(denoised.info);
     }
@@ -93,16 +92,16 @@ pub(crate) fn run(args: &AnimateArgs, global: &Global<'_>) -> Result<(), CliErro
         let gains = args.time_gains.clone().unwrap_or_else(|| vec![0.0; time.widths.len()]);
         time.check_gains(&gains)?;
         with_progress(global, "filtering", |progress| {
-            time.filter_components(&mut series, 3, &gains, progress)
+            time.filter_components(frames.positions.as_flattened_mut(), 3, &gains, progress)
         })?;
         time.describe(&mut text, Some(&gains));
         report["time"] = time.to_json(Some(&gains));
     }
-    motion::set_series(&mut frames, &series);
     if let Some(decomposer) = &decomposer {
         edit_in_space(args, decomposer, &mut frames, global, &mut text, &mut report)?;
     }
-    let change = motion::rms_change(&before, &motion::series(&frames));
+    let change = motion::rms_change(&before, &frames.positions);
+    drop(before);
     let _ = writeln!(text, "positions changed by {} (rms over vertices and frames)", number(change));
     report["changed"] = json!(change);
     let written = frames.write(&args.output, step, global)?;
@@ -180,14 +179,16 @@ fn prepare(frames: &Frames, unknown: Option<&[bool]>, global: &Global<'_>) -> Re
     }
 }
 
-/// Takes new values over, but for the vertices that are unknown.
-fn restore(unknown: Option<&[bool]>, before: &[f64], found: &[f64], series: &mut [f64]) {
-    series.copy_from_slice(found);
-    let Some(unknown) = unknown else { return };
-    let row = series.len() / unknown.len();
+/// New positions, but for the vertices that are unknown, which keep those `before`.
+fn restored(unknown: Option<&[bool]>, before: &[[f64; 3]], values: &[f64]) -> Vec<[f64; 3]> {
+    let mut positions = values.as_chunks().0.to_vec();
+    let Some(unknown) = unknown else { return positions };
+    let n_frames = before.len() / unknown.len();
     for (x, _) in unknown.iter().enumerate().filter(|(_, is_unknown)| **is_unknown) {
-        series[x * row..(x + 1) * row].copy_from_slice(&before[x * row..(x + 1) * row]);
+        let own = x * n_frames..(x + 1) * n_frames;
+        positions[own.clone()].copy_from_slice(&before[own]);
     }
+    positions
 }
 
 /// Scales the bands in space of the motion, and writes its map.
