@@ -19,6 +19,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// process that only handles small shapes starts no threads.
 pub(crate) const SERIAL: usize = 4096;
 
+/// Number of rows at a time up to which a row costs so much that a few of them are worth several threads.
+const COSTLY: usize = 64;
+
+/// Number of values of a row from which more of them count as more rows.
+const WIDEST: usize = 16;
+
 /// Number of values up to which the calling thread sorts alone: a mesh of [`SERIAL`] vertices has six times as many
 /// edges.
 const SORTED_SERIALLY: usize = 8 * SERIAL;
@@ -126,7 +132,7 @@ pub(crate) fn try_map_chunks<S, R: Send>(
         let (work, results) = (&work, &results);
         Box::new(move |chunk| results.set(chunk, work(&mut own, nth(n, at_a_time, chunk))))
     };
-    each_chunk_by_workers(n_chunks, n <= SERIAL, progress, &worker)?;
+    each_chunk_by_workers(n_chunks, n <= SERIAL && at_a_time > COSTLY, progress, &worker)?;
     Ok(results.into_results())
 }
 
@@ -161,7 +167,7 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     progress: Progress<'_>,
     work: impl Fn(usize, &mut [T]) -> R + Sync + Send,
 ) -> Result<Vec<R>, Cancelled> {
-    let is_small = values.len() <= SERIAL * width;
+    let is_small = values.len() <= SERIAL * width.min(WIDEST);
     let parts: Vec<Mutex<&mut [T]>> = values.chunks_mut((at_a_time * width).max(1)).map(Mutex::new).collect();
     let results = Slots::new(parts.len());
     each_chunk(parts.len(), is_small, progress, &|chunk| {

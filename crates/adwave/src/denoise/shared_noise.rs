@@ -11,6 +11,7 @@ use crate::{Cancelled, Progress, parallel};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
+use std::ops::Range;
 
 /// Numbers of means over a vertex and its neighbors that may turn white noise into shared noise; one of them is chosen.
 const STEPS: [usize; 4] = [2, 4, 8, 16];
@@ -20,6 +21,9 @@ const RINGS: [usize; 4] = [2, 3, 4, 6];
 
 /// Number of neighborhoods of each size.
 const NEIGHBORHOODS: usize = 1_000;
+
+/// Neighborhoods that a thread takes at a time.
+const AT_A_TIME: usize = 32;
 
 /// Quantile of the residuals over neighborhoods of one size: curvature and creases hardly reach it.
 const QUIET: f64 = 0.1;
@@ -119,11 +123,12 @@ impl NoisySurface {
         let mut quiet = Vec::with_capacity(RINGS.len());
         for rings in RINGS {
             let every = n.div_ceil(NEIGHBORHOODS).max(1);
-            let residuals = parallel::try_collect(n / every, progress, |k| {
+            let residuals = |k: usize| {
                 let x = k * every + every / 2;
                 self.residuals(points, &normals[x], &columns, x, rings)
-            })?;
-            let known: Vec<Vec<f64>> = residuals.into_iter().flatten().collect();
+            };
+            let chunk = |(): &mut (), range: Range<usize>| range.filter_map(residuals).collect::<Vec<_>>();
+            let known = parallel::try_map_chunks(n / every, AT_A_TIME, progress, || (), chunk)?.concat();
             if known.is_empty() {
                 return Ok(law);
             }
