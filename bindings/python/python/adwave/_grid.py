@@ -39,7 +39,7 @@ from adwave._time import Time, frames_axis, split_in_time
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._options import Float, GridFilterCall, GridFilterOptions, LevelOptions
+    from adwave._options import Float, GridDenoiseCall, GridFilterCall, GridFilterOptions, LevelOptions
 
 #: Kind of the results for the values of the grid itself.
 _Own = TypeVar("_Own")
@@ -510,6 +510,15 @@ class Grid(Members, Generic[_Own]):
             progress=progress,
         )
         return self._result(self._in_time(time, found, self._signal(signal), progress), signal)
+
+    @overload
+    def denoise(self, signal: str | None = None, **options: Unpack[GridDenoiseCall]) -> DenoiseResult[_Own]: ...
+    @overload
+    def denoise(
+        self, signal: NDArray[Float], **options: Unpack[GridDenoiseCall]
+    ) -> DenoiseResult[NDArray[Float]]: ...
+    @overload
+    def denoise(self, signal: Numbers, **options: Unpack[GridDenoiseCall]) -> DenoiseResult[Values]: ...
 
     @public(_by_name)
     def denoise(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
+    from adwave._part import NoiseModel
     from adwave._time import Time
 
 Length = Union[float, str]
@@ -160,6 +161,16 @@ class GridFilterOptions(LevelOptions, total=False):
     """
 
     time: Union[Time, None]
+
+
+class GridDenoiseCall(TypedDict, total=False):
+    """All keywords of `Grid.denoise`, for type checkers."""
+
+    strength: float
+    noise: Union[float, NoiseModel, tuple[NoiseModel, float], None]
+    local_fit: Literal["linear", "constant"]
+    time: Union[Time, None]
+    progress: Union[bool, Callable[[int, int], object], None]
 
 
 class GridFilterCall(GridFilterOptions, total=False):
