@@ -14,6 +14,9 @@ use crate::model::units::{CoordinateSystem, LengthUnit};
 use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError, ValueType};
 
+/// Name of the vertex field with the number of the scan.
+pub(crate) const SCAN: &str = "scan";
+
 /// Number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -89,6 +92,8 @@ pub struct ShapeFile {
     pub(crate) coordinate_system: Option<Arc<CoordinateSystem>>,
     /// Anatomical structure, if the file states it.
     pub(crate) structure: Option<String>,
+    /// Places from which the scans were taken whose numbers the vertex field [`SCAN`] has; empty for a single scan.
+    pub(crate) viewpoints: Vec<[f64; 3]>,
     /// Content that only the original bytes have, named in the report of losses in other formats.
     pub(crate) extras: Vec<String>,
     /// Assumptions that reading made, one line each.
@@ -152,6 +157,7 @@ impl ShapeFile {
             unit: None,
             coordinate_system: None,
             structure: None,
+            viewpoints: Vec::new(),
             extras: Vec::new(),
             notes: Vec::new(),
             original: None,
@@ -269,6 +275,13 @@ impl ShapeFile {
     /// coordinates.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The place from which each vertex was seen, if the file has scans from several places.
+    pub fn viewpoints(&self) -> Option<Vec<[f64; 3]>> {
+        let differ = self.viewpoints.windows(2).any(|pair| pair[0] != pair[1]);
+        let scan = self.field(SCAN).filter(|_| differ)?;
+        (0..self.n_vertices).map(|x| self.viewpoints.get(scan.get(x, 0) as usize).copied()).collect()
     }
 
     /// Replaces the coordinates of all vertices.

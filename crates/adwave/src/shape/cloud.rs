@@ -8,6 +8,7 @@ use std::sync::Arc;
 pub struct PointCloud {
     points: Arc<Vec<[f64; 3]>>,
     normals: Option<Arc<Vec<[f64; 3]>>>,
+    are_sides_known: bool,
 }
 
 impl PointCloud {
@@ -25,7 +26,7 @@ impl PointCloud {
     /// As for [`new`](Self::new).
     pub fn from_shared(points: Arc<Vec<[f64; 3]>>) -> Result<Self, ShapeError> {
         check_points(&points)?;
-        Ok(Self { points, normals: None })
+        Ok(Self { points, normals: None, are_sides_known: false })
     }
 
     /// The cloud with given normals, of any length, zero or NaN where there is none. They separate sheets that are
@@ -38,6 +39,22 @@ impl PointCloud {
     pub fn with_normals(self, normals: Vec<[f64; 3]>) -> Self {
         assert_eq!(normals.len(), self.points.len(), "a normal for each point");
         Self { normals: Some(Arc::new(normals)), ..self }
+    }
+
+    /// [`with_normals`](Self::with_normals) whose signs are certain, as those of
+    /// [`normals_facing`](crate::signal::normals_facing) are: points with opposite normals belong to different sheets even
+    /// where the positions do not show it.
+    ///
+    /// # Panics
+    /// Unless there is one normal per point.
+    #[must_use]
+    pub fn with_sides(self, normals: Vec<[f64; 3]>) -> Self {
+        Self { are_sides_known: true, ..self.with_normals(normals) }
+    }
+
+    /// True if the signs of the normals are certain.
+    pub(crate) fn are_sides_known(&self) -> bool {
+        self.are_sides_known
     }
 
     /// The given normals.

@@ -134,6 +134,17 @@ impl GivenNormals {
         normals: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Option<Self>, Cancelled> {
+        Self::from_sides(points, near, normals, false, progress)
+    }
+
+    /// [`new`](Self::new), with signs that are certain if `are_sides_known`.
+    pub(super) fn from_sides(
+        points: &[[f64; 3]],
+        near: &Neighborhoods,
+        normals: &[[f64; 3]],
+        are_sides_known: bool,
+        progress: Progress<'_>,
+    ) -> Result<Option<Self>, Cancelled> {
         assert_eq!(points.len(), normals.len(), "a normal for each point");
         assert_eq!(points.len(), near.adjacency.n_rows(), "a neighborhood for each point");
         let given: Vec<Vector3<f64>> = normals.iter().map(|n| unit_normal(*n).into()).collect();
@@ -141,7 +152,7 @@ impl GivenNormals {
             return Ok(None);
         }
         let units: Vec<[f64; 3]> = given.iter().map(|n| (*n).into()).collect();
-        let are_sheets_apart = are_sheets_apart(points, &units, near);
+        let are_sheets_apart = are_sides_known || are_sheets_apart(points, &units, near);
         let pairs = Pairs { points, near, are_sheets_apart };
         let found = pairs.count(&given, progress)?;
         let mut check = NormalCheck {

@@ -76,11 +76,11 @@ impl PreparedGeometry {
     /// [`Cancelled`] if the call is cancelled.
     pub fn new(shape: &Shape, weld_mode: WeldMode, progress: Progress<'_>) -> Result<Self, Cancelled> {
         progress.step(0, STAGES)?;
-        let mut given = None;
+        let (mut given, mut are_sides_known) = (None, false);
         let (points, faces) = match shape {
             Shape::Graph(graph) => return Self::from_graph(shape, graph, weld_mode, progress),
             Shape::Cloud(cloud) => {
-                given = cloud.normals();
+                (given, are_sides_known) = (cloud.normals(), cloud.are_sides_known());
                 (cloud.points(), None)
             }
             Shape::Mesh(mesh) => (mesh.points(), Some(mesh.faces())),
@@ -128,7 +128,7 @@ impl PreparedGeometry {
             (Some(normals), Some(near)) => {
                 let welded = vertex_map.as_slice();
                 let normals = welded_normals(normals.iter().copied(), welded, positions.len());
-                GivenNormals::new(&positions, near, &normals, progress)?.map(Arc::new)
+                GivenNormals::from_sides(&positions, near, &normals, are_sides_known, progress)?.map(Arc::new)
             }
             _ => None,
         };

@@ -2,7 +2,7 @@
 
 use crate::parallel::{self, expect_not_cancelled};
 use crate::shape::orientation::orient;
-use crate::shape::{Adjacency, Neighborhoods};
+use crate::shape::{Adjacency, Neighborhoods, try_nearest_neighbors};
 use crate::signal::TangentFrame;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
@@ -11,6 +11,12 @@ use std::f64::consts::{PI, TAU};
 /// Angle between successive neighbors, seen from a point, beyond which it lies on the border: 180° on a straight
 /// border, 90° at a corner from inside, about 60° at most within an even cloud of ten neighbors.
 const BORDER_GAP: f64 = 0.75 * PI;
+
+/// Number of nearest neighbors of the planes of [`normals_facing`]: enough for noise as large as the points are apart.
+const FACING_NEIGHBORS: usize = 48;
+
+/// Cosine between a normal and the line of sight up to which the side is open: noise may turn the plane over.
+const GRAZING: f64 = 0.2;
 
 /// Unit normals of a cloud: those of the plane that fits each point's neighborhood best; zero if all its neighbors
 /// coincide with it. O(n k log n).
@@ -69,6 +75,40 @@ pub fn plane_normals(
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
     each_plane_normal(points, neighbors, |_, n| n, progress)
+}
+
+/// Unit normals of the planes that fit each point and its nearest neighbors best, on the side of the viewpoint from which
+/// the point was seen; zero where it sees that plane at a grazing angle, or where all neighbors coincide with it. Points of
+/// the two sides of a thin wall have opposite normals then, which keep the sides of a cloud apart
+/// ([`PointCloud::with_sides`](crate::shape::PointCloud::with_sides)). O(n log n).
+///
+/// ```
+/// use adwave::{Progress, signal::normals_facing};
+/// let wall = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+/// let seen_from = [[0.5, 0.5, 9.0], [0.5, 0.5, 9.0], [0.5, 0.5, -9.0], [0.5, 0.5, -9.0]];
+/// let normals = normals_facing(&wall, &seen_from, Progress::none())?;
+/// assert!(normals[0][2] > 0.9 && normals[3][2] < -0.9);
+/// # Ok::<(), adwave::Cancelled>(())
+/// ```
+///
+/// # Errors
+/// [`Cancelled`] if the call is cancelled.
+///
+/// # Panics
+/// Unless there is a viewpoint for each point.
+pub fn normals_facing(
+    points: &[[f64; 3]],
+    viewpoints: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    assert_eq!(viewpoints.len(), points.len(), "a viewpoint for each point");
+    let near = try_nearest_neighbors(points, FACING_NEIGHBORS, progress)?;
+    let facing = |x: usize, n: Vector3<f64>| {
+        let sight = Vector3::from(viewpoints[x]) - Vector3::from(points[x]);
+        let along = n.dot(&sight);
+        if along.abs() <= GRAZING * sight.norm() { Vector3::zeros() } else { n * along.signum() }
+    };
+    each_plane_normal(points, &near.adjacency, facing, progress)
 }
 
 /// Normals of points that moved slightly, each on the side of its old one. O(n k).

@@ -19,7 +19,7 @@ pub use crate::shape::orientation::{PointWithNormal, SideStep, side_step};
 pub use close_sheets::{CloseSheets, close_sheets, find_close_sheets};
 pub(crate) use cloud_normals::cloud_border;
 pub(crate) use cloud_normals::{aligned_normals, try_cloud_normals};
-pub use cloud_normals::{cloud_normals, plane_normals};
+pub use cloud_normals::{cloud_normals, normals_facing, plane_normals};
 pub use curvature::Curvature;
 pub use degree::degree;
 pub use luminance::{lightness, luminance};

@@ -10,7 +10,7 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::values_file::{holds_fields, unsuitable_format};
-use crate::output::{count, number, print, table};
+use crate::output::{count, note, number, print, table};
 use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, operator_with_default,
     prepare,
@@ -21,7 +21,6 @@ use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::time::{resolve_frames, restore_held};
 use crate::resolve::walk::with_given_walk;
-use adwave::Decomposer;
 use adwave::bands::FWHM;
 use adwave::denoise::{
     NoiseModel, Outliers, SeriesNoise, SharedNoise, SignalNoise, denoise, denoise_series, denoise_signal,
@@ -30,8 +29,9 @@ use adwave::operator::{OperatorKind, OperatorParams, OperatorTask};
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
-use adwave::signal::find_close_sheets;
+use adwave::signal::{find_close_sheets, normals_facing};
 use adwave::time::TimeAxis;
+use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
@@ -122,10 +122,16 @@ fn denoise_positions(
             .refuse(&OPERATOR_OPTIONS, "applies to a field (--signal), to --border and to --region")?;
     }
     let weld = operator.weld;
-    let geometry =
-        with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
-            .map_err(|e| CliError::classify(&e))?;
+    let with_sides = with_progress(global, "preparing", |progress| facing_viewpoints(&input, progress))?;
+    let geometry = with_progress(global, "preparing", |progress| {
+        PreparedGeometry::new(with_sides.as_ref().unwrap_or(&input.shape), weld, progress)
+    })
+    .map_err(|e| CliError::classify(&e))?;
     note_outsiders(Some(&geometry), &input, global);
+    let is_by_viewpoints = with_sides.is_some() && geometry.has_separate_sheets();
+    if is_by_viewpoints {
+        note(global, "points that were scanned from opposite sides belong to different surfaces");
+    }
     let sheets = find_close_sheets(&geometry, None, global.progress()).map_err(|_| CliError::Cancelled)?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
@@ -164,9 +170,22 @@ fn denoise_positions(
         "output": args.output.display().to_string(),
         "vertices": n_vertices,
         "denoise": denoised.info,
+        "sides_by_viewpoints": is_by_viewpoints,
     });
     movement.add_to(&mut report);
     print(global, &text, &report)
+}
+
+/// The cloud with normals on the sides from which its points were seen, if its file tells these and has no normals.
+fn facing_viewpoints(input: &Input, progress: Progress<'_>) -> Result<Option<Shape>, CliError> {
+    let (Shape::Cloud(cloud), Some(viewpoints)) = (&input.shape, input.file.viewpoints()) else {
+        return Ok(None);
+    };
+    if cloud.normals().is_some() {
+        return Ok(None);
+    }
+    let normals = normals_facing(cloud.points(), &viewpoints, progress).map_err(|_| CliError::Cancelled)?;
+    Ok(Some(Shape::Cloud(cloud.clone().with_sides(normals))))
 }
 
 /// New positions under the constraints on borders and regions that are asked for.

@@ -8,6 +8,7 @@ use adwave::Progress;
 use e57::{E57Reader, PointCloud, Quaternion};
 
 use super::record::{RecordLayout, ScanColumns};
+use crate::model::shape_file::SCAN;
 use crate::progress::report_row;
 use crate::text::one_line;
 use crate::{CoordinatePrecision, Field, FieldValues, FileRows, Format, ReadError, ReadLimits, ShapeFile};
@@ -66,6 +67,7 @@ pub(crate) fn read_e57(
         let layout = RecordLayout::new(scan, k)?;
         limits.check_points((points.len() as u64).saturating_add(scan.records))?;
         let pose = pose(scan);
+        shape.viewpoints.push(pose.as_ref().map_or([0.0; 3], |pose| pose.shift));
         if pose.is_some() || !layout.is_single(scan) {
             shape.precision = CoordinatePrecision::F64;
         }
@@ -104,10 +106,13 @@ pub(crate) fn read_e57(
     shape.points = points.into();
     shape.vertex_fields = columns.into_fields(shape.n_vertices);
     if scans.len() > 1 {
-        shape.vertex_fields.push(Field::new("scan", 1, FieldValues::U32(of_scan)));
+        shape.vertex_fields.push(Field::new(SCAN, 1, FieldValues::U32(of_scan)));
         shape.extras.push(format!("the poses of {} scans", scans.len()));
-    } else if scans[0].transform.is_some() {
-        shape.extras.push("the pose of the scan".into());
+    } else {
+        shape.viewpoints.clear();
+        if scans[0].transform.is_some() {
+            shape.extras.push("the pose of the scan".into());
+        }
     }
     match file.images().len() {
         0 => {}
@@ -161,15 +166,21 @@ mod tests {
     use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
 
     /// A file with one scan in memory.
-    fn file(prototype: Vec<Record>, rows: &[Vec<RecordValue>], transform: Option<Transform>) -> Vec<u8> {
+    fn file(prototype: &[Record], rows: &[Vec<RecordValue>], transform: Option<Transform>) -> Vec<u8> {
+        file_of_scans(prototype, &[(rows.to_vec(), transform)])
+    }
+
+    fn file_of_scans(prototype: &[Record], scans: &[(Vec<Vec<RecordValue>>, Option<Transform>)]) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         let mut writer = E57Writer::new(&mut bytes, "file").unwrap();
-        let mut scan = writer.add_pointcloud("scan", prototype).unwrap();
-        scan.set_transform(transform);
-        for row in rows {
-            scan.add_point(row.clone()).unwrap();
+        for (k, (rows, transform)) in scans.iter().enumerate() {
+            let mut scan = writer.add_pointcloud(&format!("scan {k}"), prototype.to_vec()).unwrap();
+            scan.set_transform(transform.clone());
+            for row in rows {
+                scan.add_point(row.clone()).unwrap();
+            }
+            scan.finalize().unwrap();
         }
-        scan.finalize().unwrap();
         writer.finalize().unwrap();
         drop(writer);
         bytes.into_inner()
@@ -203,7 +214,7 @@ mod tests {
         let half = 0.5_f64.sqrt();
         let rotation = Quaternion { w: half, x: 0.0, y: 0.0, z: half };
         file(
-            prototype,
+            &prototype,
             &rows,
             Some(Transform { rotation, translation: Translation { x: 0.0, y: 0.0, z: 1.0 } }),
         )
@@ -224,6 +235,26 @@ mod tests {
             (1.0, 8.0)
         );
         assert_eq!(shape.extras(), ["1 records without a position in scan 0", "the pose of the scan"]);
+    }
+
+    #[test]
+    fn points_of_several_scans_know_from_where_they_were_seen() {
+        let double = || RecordDataType::Double { min: None, max: None };
+        let names = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
+        let prototype = names.map(|name| record(name, double()));
+        let rows = |n: usize| vec![[1.0, 2.0, 3.0].map(RecordValue::Double).to_vec(); n];
+        let at = |z: f64| {
+            let rotation = Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 };
+            Some(Transform { rotation, translation: Translation { x: 0.0, y: 0.0, z } })
+        };
+        let viewpoints = |scans: &[_]| {
+            let bytes = file_of_scans(&prototype, scans);
+            crate::read_bytes(bytes, None, &ReadLimits::default()).unwrap().viewpoints()
+        };
+        let seen = [[0.0; 3], [0.0; 3], [0.0, 0.0, 5.0]];
+        assert_eq!(viewpoints(&[(rows(2), None), (rows(1), at(5.0))]), Some(seen.to_vec()));
+        assert_eq!(viewpoints(&[(rows(2), at(5.0))]), None);
+        assert_eq!(viewpoints(&[(rows(2), at(5.0)), (rows(1), at(5.0))]), None);
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Laws of the denoiser of clouds.
 
 use crate::denoise::{denoised, pair, rms};
+use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Denoised, Outliers};
 use adwave::shape::{PointCloud, Shape};
+use adwave::signal::normals_facing;
 
 fn defaults() -> DenoiseParams {
     DenoiseParams::default()
@@ -201,6 +203,27 @@ fn thin_walls_are_not_taken_for_strong_noise() {
             let info = denoised(&cloud(walls), &defaults()).info;
             assert_eq!(info.cloud.unwrap().strong, None, "{gap}, {noise}");
             assert!(info.noise < 1.2 * noise.max(0.4), "{gap}, {noise}: {}", info.noise);
+        }
+    }
+}
+
+#[test]
+fn walls_seen_from_both_sides_are_not_joined() {
+    for gap in [0.5, 1.0, 1.5, 2.0, 3.0] {
+        for noise in [0.05, 0.3, 0.6] {
+            let mut random = Deviates(29);
+            let (low, high) = (sheet(50, 0.0, noise, &mut random), sheet(50, gap, noise, &mut random));
+            let n = low.len();
+            let points = [low, high].concat();
+            let scanners = [[10.0, 20.0, -40.0], [30.0, 25.0, 40.0]];
+            let viewpoints: Vec<_> = (0..2 * n).map(|x| scanners[x / n]).collect();
+            let normals = normals_facing(&points, &viewpoints, Progress::none()).unwrap();
+            let seen = Shape::Cloud(PointCloud::new(points).unwrap().with_sides(normals));
+            let points = denoised(&seen, &defaults()).points;
+            let (low, high) = (inner_heights(&points[..n], 50), inner_heights(&points[n..], 50));
+            println!("{gap}, {noise}: {low:?} {high:?}");
+            assert!((high.0 - low.0 - gap).abs() < 0.05, "{gap}, {noise}: {low:?} {high:?}");
+            assert!(low.1.max(high.1) < 0.6 * noise, "{gap}, {noise}: {low:?} {high:?}");
         }
     }
 }
