@@ -14,7 +14,10 @@ const MOST_ROUNDS: usize = 10;
 const AT_REST: f64 = 1e-12;
 
 /// Values of displacements that are split into bands together.
-const VALUES_TOGETHER: usize = 1 << 20;
+const VALUES_TOGETHER: usize = 1 << 21;
+
+/// Frames whose coordinates fill whole cache lines.
+const LINE: usize = 8;
 
 /// Positions that are compared at a time.
 const POSITIONS_AT_A_TIME: usize = 1 << 10;
@@ -182,7 +185,8 @@ fn visit_groups(
     mut each: impl FnMut(Range<usize>, Progress<'_>) -> Result<(), BandsError>,
     progress: Progress<'_>,
 ) -> Result<(), BandsError> {
-    let together = (VALUES_TOGETHER / (3 * n).max(1)).clamp(1, n_frames);
+    let most = (VALUES_TOGETHER / (3 * n).max(1)).clamp(1, n_frames);
+    let together = if most > LINE { most / LINE * LINE } else { most };
     for first in (0..n_frames).step_by(together) {
         progress.step(first as u64, n_frames as u64)?;
         each(first..(first + together).min(n_frames), progress.quiet())?;
