@@ -6,6 +6,7 @@ use crate::shape::{Adjacency, Neighborhoods, try_nearest_neighbors};
 use crate::signal::TangentFrame;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 /// Angle between successive neighbors, seen from a point, beyond which it lies on the border: 180° on a straight
@@ -78,16 +79,18 @@ pub fn plane_normals(
 }
 
 /// Unit normals of the planes that fit each point and its nearest neighbors best, on the side of the viewpoint from which
-/// the point was seen; zero where it sees that plane at a grazing angle, or where all neighbors coincide with it. Points of
-/// the two sides of a thin wall have opposite normals then, which keep the sides of a cloud apart
+/// the point was seen. The neighbors are points that were seen from the same place, so that those on the other side of a
+/// thin wall have no part in the plane. Zero where the plane is seen at a grazing angle, or without enough neighbors.
+/// Points of the two sides of a wall have opposite normals then, which keep the sides of a cloud apart
 /// ([`PointCloud::with_sides`](crate::shape::PointCloud::with_sides)). O(n log n).
 ///
 /// ```
 /// use adwave::{Progress, signal::normals_facing};
-/// let wall = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-/// let seen_from = [[0.5, 0.5, 9.0], [0.5, 0.5, 9.0], [0.5, 0.5, -9.0], [0.5, 0.5, -9.0]];
+/// let side = |z: f64| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z], [1.0, 1.0, z]];
+/// let wall = [side(0.0), side(0.1)].concat();
+/// let seen_from = [[[0.5, 0.5, -9.0]; 4], [[0.5, 0.5, 9.0]; 4]].concat();
 /// let normals = normals_facing(&wall, &seen_from, Progress::none())?;
-/// assert!(normals[0][2] > 0.9 && normals[3][2] < -0.9);
+/// assert!(normals[..4].iter().all(|n| n[2] < -0.9) && normals[4..].iter().all(|n| n[2] > 0.9));
 /// # Ok::<(), adwave::Cancelled>(())
 /// ```
 ///
@@ -102,13 +105,26 @@ pub fn normals_facing(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     assert_eq!(viewpoints.len(), points.len(), "a viewpoint for each point");
-    let near = try_nearest_neighbors(points, FACING_NEIGHBORS, progress)?;
-    let facing = |x: usize, n: Vector3<f64>| {
-        let sight = Vector3::from(viewpoints[x]) - Vector3::from(points[x]);
-        let along = n.dot(&sight);
-        if along.abs() <= GRAZING * sight.norm() { Vector3::zeros() } else { n * along.signum() }
-    };
-    each_plane_normal(points, &near.adjacency, facing, progress)
+    let mut seen_from: BTreeMap<[u64; 3], Vec<usize>> = BTreeMap::new();
+    for (x, place) in viewpoints.iter().enumerate() {
+        seen_from.entry(place.map(f64::to_bits)).or_default().push(x);
+    }
+    let mut normals = vec![[0.0; 3]; points.len()];
+    for (place, seen) in seen_from {
+        let place = Vector3::from(place.map(f64::from_bits));
+        let own: Vec<[f64; 3]> = seen.iter().map(|&x| points[x]).collect();
+        let near = try_nearest_neighbors(&own, FACING_NEIGHBORS, progress)?;
+        let facing = |i: usize, n: Vector3<f64>| {
+            let sight = place - Vector3::from(own[i]);
+            let along = n.dot(&sight);
+            if along.abs() <= GRAZING * sight.norm() { Vector3::zeros() } else { n * along.signum() }
+        };
+        let found = each_plane_normal(&own, &near.adjacency, facing, progress)?;
+        for (x, normal) in seen.into_iter().zip(found) {
+            normals[x] = normal;
+        }
+    }
+    Ok(normals)
 }
 
 /// Normals of points that moved slightly, each on the side of its old one. O(n k).
