@@ -39,7 +39,14 @@ from adwave._time import Time, frames_axis, split_in_time
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._options import Float, GridDenoiseCall, GridFilterCall, GridFilterOptions, LevelOptions
+    from adwave._options import (
+        Float,
+        GridDenoiseCall,
+        GridFilterCall,
+        GridFilterOptions,
+        LevelOptions,
+        ValueNoise,
+    )
 
 #: Kind of the results for the values of the grid itself.
 _Own = TypeVar("_Own")
@@ -524,10 +531,7 @@ class Grid(Members, Generic[_Own]):
         signal: str | ArrayLike | None = None,
         *,
         strength: float = 1.0,
-        noise: float
-        | Literal["gaussian", "poisson", "multiplicative", "rician"]
-        | tuple[Literal["gaussian", "poisson", "multiplicative", "rician"], float]
-        | None = None,
+        noise: float | ValueNoise | tuple[ValueNoise, float] | None = None,
         local_fit: LocalFit = "linear",
         time: Time | None = None,
         progress: ProgressLike = None,

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from adwave._part import NoiseModel
     from adwave._time import Time
 
 Length = Union[float, str]
@@ -163,11 +162,15 @@ class GridFilterOptions(LevelOptions, total=False):
     time: Union[Time, None]
 
 
+ValueNoise = Literal["gaussian", "poisson", "multiplicative", "rician"]
+"""How the noise of a value depends on the value."""
+
+
 class GridDenoiseCall(TypedDict, total=False):
     """All keywords of `Grid.denoise`, for type checkers."""
 
     strength: float
-    noise: Union[float, NoiseModel, tuple[NoiseModel, float], None]
+    noise: Union[float, ValueNoise, tuple[ValueNoise, float], None]
     local_fit: Literal["linear", "constant"]
     time: Union[Time, None]
     progress: Union[bool, Callable[[int, int], object], None]
