@@ -367,12 +367,12 @@ impl TimeAxis {
     }
 
     /// The steps from each width to the next, from 0.
-    fn levels(&self, n_components: usize, widths: &[f64]) -> Vec<Level<'_>> {
+    fn levels(&self, n_components: usize, widths: &[f64]) -> Vec<TimeLevel<'_>> {
         pairs(widths).map(|(from, to)| self.level(n_components, from, to)).collect()
     }
 
     /// The step from the width `from` to the width `to`.
-    fn level(&self, n_components: usize, from: f64, to: f64) -> Level<'_> {
+    fn level(&self, n_components: usize, from: f64, to: f64) -> TimeLevel<'_> {
         /// The most exact one, whose errors are those of rounding.
         const APPROXIMATION: &Approximation = &APPROXIMATIONS[1];
         if self.ends == TimeEnds::Causal {
@@ -381,7 +381,7 @@ impl TimeAxis {
                 FrameSteps::Uneven { gaps, .. } => Some((gaps.as_slice(), self.step())),
             };
             let cascade = Cascade::new(from / self.step(), to / self.step());
-            return Level::Causal { shares: cascade.shares(self.n_frames, gaps), n_components };
+            return TimeLevel::Causal { shares: cascade.shares(self.n_frames, gaps), n_components };
         }
         // The variance along the axis is half of σ², and twice the time of heat.
         let time = 0.25 * (to - from) * (to + from);
@@ -391,17 +391,17 @@ impl TimeAxis {
             (FrameSteps::Even(step), _) => (LineKind::Even, time / (step * step)),
         };
         let lines = Lines::new(self.n_frames, n_components, kind);
-        Level::Heat { solve: lines.solve(time, APPROXIMATION), lines }
+        TimeLevel::Heat { solve: lines.solve(time, APPROXIMATION), lines }
     }
 }
 
 /// Smoothing from one width to the next, prepared.
-enum Level<'a> {
+enum TimeLevel<'a> {
     Heat { lines: Lines<'a>, solve: TileSolve },
     Causal { shares: Vec<f64>, n_components: usize },
 }
 
-impl Level<'_> {
+impl TimeLevel<'_> {
     /// Smooths rows of values, frames × components, in place.
     fn advance(&self, rows: &mut [f64]) {
         match self {
