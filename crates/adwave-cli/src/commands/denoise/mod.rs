@@ -28,7 +28,7 @@ use adwave::denoise::{
 use adwave::operator::{OperatorKind, OperatorParams, OperatorTask};
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
-use adwave::shape::{PreparedGeometry, Shape};
+use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{find_close_sheets, normals_facing};
 use adwave::time::TimeAxis;
 use adwave::{Decomposer, Progress};
@@ -122,16 +122,7 @@ fn denoise_positions(
             .refuse(&OPERATOR_OPTIONS, "applies to a field (--signal), to --border and to --region")?;
     }
     let weld = operator.weld;
-    let with_sides = with_progress(global, "preparing", |progress| facing_viewpoints(&input, progress))?;
-    let geometry = with_progress(global, "preparing", |progress| {
-        PreparedGeometry::new(with_sides.as_ref().unwrap_or(&input.shape), weld, progress)
-    })
-    .map_err(|e| CliError::classify(&e))?;
-    note_outsiders(Some(&geometry), &input, global);
-    let is_by_viewpoints = with_sides.is_some() && geometry.has_separate_sheets();
-    if is_by_viewpoints {
-        note(global, "points that were scanned from opposite sides belong to different surfaces");
-    }
+    let (geometry, is_by_viewpoints) = prepare_geometry(&input, weld, global)?;
     let sheets = find_close_sheets(&geometry, None, global.progress()).map_err(|_| CliError::Cancelled)?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
@@ -174,6 +165,26 @@ fn denoise_positions(
     });
     movement.add_to(&mut report);
     print(global, &text, &report)
+}
+
+/// The geometry of a shape, and whether the places from which a cloud was scanned tell its sides apart.
+fn prepare_geometry(
+    input: &Input,
+    weld: WeldMode,
+    global: &Global<'_>,
+) -> Result<(PreparedGeometry, bool), CliError> {
+    let (with_sides, geometry) = with_progress(global, "preparing", |progress| {
+        let with_sides = facing_viewpoints(input, progress)?;
+        let shape = with_sides.as_ref().unwrap_or(&input.shape);
+        let geometry = PreparedGeometry::new(shape, weld, progress).map_err(|e| CliError::classify(&e))?;
+        Ok::<_, CliError>((with_sides, geometry))
+    })?;
+    note_outsiders(Some(&geometry), input, global);
+    let is_by_viewpoints = with_sides.is_some() && geometry.has_separate_sheets();
+    if is_by_viewpoints {
+        note(global, "points that were scanned from opposite sides belong to different surfaces");
+    }
+    Ok((geometry, is_by_viewpoints))
 }
 
 /// The cloud with normals on the sides from which its points were seen, if its file tells these and has no normals.
