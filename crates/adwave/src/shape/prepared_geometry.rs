@@ -402,7 +402,7 @@ impl PreparedGeometry {
     ) -> Result<Neighborhoods, Cancelled> {
         match &self.given_normals {
             Some(given) if given.are_sheets_apart => {
-                nearest_on_sheet(points, &given.normals, &self.participation, k, progress)
+                nearest_on_sheet(points, &given.normals, &self.participation, k, is_wanted, progress)
             }
             _ => self.participation.nearest(points, k, is_wanted, progress),
         }

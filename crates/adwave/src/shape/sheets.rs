@@ -70,19 +70,30 @@ pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: 
     are_short_steeper && (alike.is_empty() || median(&mut opposite) > SLOPE_RATIO * median(&mut alike))
 }
 
-/// The `k` nearest neighbors of each point among those whose normal is not opposite, of the nearest points that take
-/// part; fewer if there are not enough.
+/// The `k` nearest neighbors of each point that is wanted among those whose normal is not opposite, of the nearest points
+/// that take part; fewer if there are not enough. Points without an opposite normal nearby are searched once.
 pub(super) fn nearest_on_sheet(
     points: &[[f64; 3]],
     normals: &[[f64; 3]],
     participation: &Participation,
     k: usize,
+    is_wanted: impl Fn(usize) -> bool + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<Neighborhoods, Cancelled> {
-    let near = participation.nearest(points, SEARCHED.saturating_mul(k), |_| true, progress)?;
+    let near = participation.nearest(points, k, is_wanted, progress)?;
+    let is_on_sheet = |x: usize, y: u32| dot(&normals[x], &normals[y as usize]) >= OPPOSITE;
+    let is_mixed = parallel::try_collect(points.len(), progress, |x| {
+        near.adjacency.row(x).iter().any(|&y| !is_on_sheet(x, y))
+    })?;
+    if !is_mixed.contains(&true) {
+        return Ok(near);
+    }
+    let wide = participation.nearest(points, SEARCHED.saturating_mul(k), |x| is_mixed[x], progress)?;
     let rows: Vec<(Vec<u32>, f64)> = parallel::try_collect(points.len(), progress, |x| {
-        let own = near.adjacency.row(x).iter().copied();
-        let on_sheet = own.filter(|&y| dot(&normals[x], &normals[y as usize]) >= OPPOSITE);
+        if !is_mixed[x] {
+            return (near.adjacency.row(x).to_vec(), near.radius[x]);
+        }
+        let on_sheet = wide.adjacency.row(x).iter().copied().filter(|&y| is_on_sheet(x, y));
         let mut found: Vec<(f64, u32)> =
             on_sheet.map(|y| (distance(&points[x], &points[y as usize]), y)).collect();
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
