@@ -70,8 +70,8 @@ pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: 
     are_short_steeper && (alike.is_empty() || median(&mut opposite) > SLOPE_RATIO * median(&mut alike))
 }
 
-/// The `k` nearest neighbors of each point that is wanted among those whose normal is not opposite, of the nearest points
-/// that take part; fewer if there are not enough. Points without an opposite normal nearby are searched once.
+/// The `k` nearest neighbors of each point that is wanted among those whose normal is not opposite, of the nearest
+/// points that take part; fewer if there are not enough. Points without an opposite normal nearby are searched once.
 pub(super) fn nearest_on_sheet(
     points: &[[f64; 3]],
     normals: &[[f64; 3]],
