@@ -15,7 +15,7 @@ pub use request::BandsRequest;
 
 use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
-use crate::domain::{Domain, DomainError, ShapeDomain, WalkDomain};
+use crate::domain::{Domain, DomainError, ShapeDomain, WalkDomain, stated_neighbors, without_masked};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
@@ -98,7 +98,7 @@ pub struct Decomposer {
     params: OperatorParams,
     surface_info: Option<SurfaceInfo>,
     /// Neighbors that the domain states, without masked places.
-    neighbors: Arc<OnceLock<Arc<Adjacency>>>,
+    neighbors: Arc<OnceLock<Adjacency>>,
     /// Rows of a walk over the neighbors, for methods that need rows where the operator has none.
     neighbor_walk: Arc<OnceLock<Arc<Diffusion>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
@@ -327,39 +327,15 @@ impl Decomposer {
     /// One-ring of a mesh without the masked vertices; elsewhere the neighbors of one step.
     pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
         match self.domain.one_ring(progress)? {
-            Some(ring) => Ok(Cow::Owned(self.without_masked(ring, progress)?)),
+            Some(ring) => Ok(Cow::Owned(without_masked(ring, self.mask_flags(), progress)?)),
             None => Ok(Cow::Borrowed(self.try_neighbors(progress)?)),
         }
     }
 
-    fn without_masked(
-        &self,
-        neighbors: Cow<'_, Adjacency>,
-        progress: Progress<'_>,
-    ) -> Result<Adjacency, Cancelled> {
-        match self.mask_flags() {
-            Some(masked) => neighbors.remove_masked(masked, progress),
-            None => Ok(neighbors.into_owned()),
-        }
-    }
-
-    /// The neighbors that the domain states, without masked places; `None` if they are those of the operator.
-    fn stated_neighbors(&self, progress: Progress<'_>) -> Result<Option<&Arc<Adjacency>>, Cancelled> {
-        if !self.domain.has_neighbors() {
-            return Ok(None);
-        }
-        if let Some(neighbors) = self.neighbors.get() {
-            return Ok(Some(neighbors));
-        }
-        let Some(stated) = self.domain.neighbors(progress)? else { return Ok(None) };
-        let stated = Arc::new(self.without_masked(stated, progress)?);
-        Ok(Some(self.neighbors.get_or_init(|| stated)))
-    }
-
     pub(crate) fn try_neighbors(&self, progress: Progress<'_>) -> Result<&Adjacency, Cancelled> {
-        match self.stated_neighbors(progress)? {
+        match stated_neighbors(&*self.domain, self.mask_flags(), &self.neighbors, progress)? {
             Some(stated) => Ok(stated),
-            None => Ok(self.neighbor_rows().neighbors()),
+            None => Ok(self.neighbor_rows().expect("a domain states its neighbors, or has rows").neighbors()),
         }
     }
 
@@ -449,11 +425,8 @@ impl Decomposer {
     }
 
     /// The rows whose entries join neighbors: those of the operator, or, if it has none, those of the shape's own.
-    fn neighbor_rows(&self) -> &Arc<Diffusion> {
-        match (&self.own_rows, self.operator().rows()) {
-            (Some(rows), _) | (None, Some(rows)) => rows,
-            (None, None) => unreachable!("a domain states its neighbors if its operator has no rows"),
-        }
+    fn neighbor_rows(&self) -> Option<&Arc<Diffusion>> {
+        self.own_rows.as_ref().or_else(|| self.operator().rows())
     }
 
     /// The transform with default parameters, in the order of [`vertex_map`](Self::vertex_map). It shares its tiles
@@ -471,10 +444,8 @@ impl Decomposer {
     /// Distances along the domain, for regions.
     pub fn metric(&self) -> &SurfaceMetric {
         self.metric.get_or_init(|| {
-            let edges = match expect_not_cancelled(self.stated_neighbors(Progress::none())) {
-                Some(stated) => MetricEdges::Neighbors(Arc::clone(stated)),
-                None => MetricEdges::Diffusion(Arc::clone(self.neighbor_rows())),
-            };
+            let (stated, mask) = (Arc::clone(&self.neighbors), self.mask.clone());
+            let edges = MetricEdges { stated, mask, rows: self.neighbor_rows().cloned() };
             SurfaceMetric::new(Arc::clone(&self.domain), edges, self.extent, self.mean_length())
         })
     }

@@ -17,6 +17,7 @@ use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::any::Any;
 use std::borrow::Cow;
 use std::fmt::Debug;
+use std::sync::OnceLock;
 use thiserror::Error;
 
 /// Places that carry a signal, in the order of the rows of an operator.
@@ -173,12 +174,43 @@ pub trait Domain: Any + Debug + Send + Sync {
 
     /// Local fit that smoothing a field about `asked` has on this domain: a constant one if slopes cause no bias.
     fn local_fit(&self, asked: LocalFit) -> LocalFit {
-        if self.positions().is_empty() { LocalFit::Constant } else { asked }
+        if self.n_positions() == 0 { LocalFit::Constant } else { asked }
     }
 
     /// The prepared mesh, cloud or graph, for faces, normals and volumes, which only shapes have.
     fn geometry(&self) -> Option<&PreparedGeometry> {
         None
+    }
+}
+
+/// The neighbors that a domain states, without the flagged places; `None` if they are those of its operator. They are
+/// listed once, in `listed`.
+pub(crate) fn stated_neighbors<'a>(
+    domain: &dyn Domain,
+    masked: Option<&[bool]>,
+    listed: &'a OnceLock<Adjacency>,
+    progress: Progress<'_>,
+) -> Result<Option<&'a Adjacency>, Cancelled> {
+    if !domain.has_neighbors() {
+        return Ok(None);
+    }
+    if let Some(neighbors) = listed.get() {
+        return Ok(Some(neighbors));
+    }
+    let Some(stated) = domain.neighbors(progress)? else { return Ok(None) };
+    let stated = without_masked(stated, masked, progress)?;
+    Ok(Some(listed.get_or_init(|| stated)))
+}
+
+/// Neighbors without the flagged places.
+pub(crate) fn without_masked(
+    neighbors: Cow<'_, Adjacency>,
+    masked: Option<&[bool]>,
+    progress: Progress<'_>,
+) -> Result<Adjacency, Cancelled> {
+    match masked {
+        Some(masked) => neighbors.remove_masked(masked, progress),
+        None => Ok(neighbors.into_owned()),
     }
 }
 

@@ -3,30 +3,25 @@
 use super::front::{Corners, FrontSearch, FrontSource, SourceExtent};
 use super::place::SurfacePlace;
 use super::{SurfaceSearch, stroke};
-use crate::domain::Domain;
+use crate::domain::{Domain, stated_neighbors};
+use crate::mask::Mask;
 use crate::operator::Diffusion;
 use crate::shape::{Adjacency, PreparedGeometry, VertexMap, distance, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Edges along which distance is measured.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub enum MetricEdges {
-    /// Edges between the neighbors of a diffusion operator.
-    Diffusion(Arc<Diffusion>),
-    /// Edges between the neighbors that a domain states, such as those of a mesh.
-    Neighbors(Arc<Adjacency>),
-}
-
-impl MetricEdges {
-    fn neighbors(&self) -> &Adjacency {
-        match self {
-            Self::Diffusion(diffusion) => diffusion.neighbors(),
-            Self::Neighbors(neighbors) => neighbors,
-        }
-    }
+/// Edges along which distance is measured: between the neighbors that a domain states, such as those of a mesh, or else
+/// between those of a diffusion operator.
+#[derive(Debug)]
+pub(crate) struct MetricEdges {
+    /// Neighbors that the domain states, listed when they are first needed: those of a volume take more memory than the
+    /// volume.
+    pub(crate) stated: Arc<OnceLock<Adjacency>>,
+    /// Places that are left out of them.
+    pub(crate) mask: Option<Arc<Mask>>,
+    /// Rows with an entry for each neighbor, if the domain may state none.
+    pub(crate) rows: Option<Arc<Diffusion>>,
 }
 
 /// Distances along a shape, prepared for many regions: over the triangles of a mesh, along edges elsewhere.
@@ -65,7 +60,7 @@ pub(crate) struct VerticesWithin {
 impl SurfaceMetric {
     /// Metric of a domain over `edges`, in the order of its places. `diagonal` is the diagonal of the bounding
     /// box and `spacing` the mean distance of neighbors, both in model units (0 and 1 for a graph). O(1).
-    pub fn new(domain: Arc<dyn Domain>, edges: MetricEdges, diagonal: f64, spacing: f64) -> Self {
+    pub(crate) fn new(domain: Arc<dyn Domain>, edges: MetricEdges, diagonal: f64, spacing: f64) -> Self {
         Self {
             domain,
             edges,
@@ -127,7 +122,12 @@ impl SurfaceMetric {
 
     /// Neighbors of each welded vertex.
     pub(super) fn neighbors(&self) -> &Adjacency {
-        self.edges.neighbors()
+        let MetricEdges { stated, mask, rows } = &self.edges;
+        let masked = mask.as_deref().map(Mask::welded);
+        let stated = stated_neighbors(&*self.domain, masked, stated, Progress::none());
+        parallel::expect_not_cancelled(stated).unwrap_or_else(|| {
+            rows.as_ref().expect("a domain states its neighbors if its operator has no rows").neighbors()
+        })
     }
 
     /// Root mean square distance of neighbors, with equal weight per vertex, in model units; 1 for a graph.
@@ -219,7 +219,7 @@ impl SurfaceMetric {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<VerticesWithin, Cancelled> {
-        let (neighbors, points) = (self.edges.neighbors(), self.positions());
+        let (neighbors, points) = (self.neighbors(), self.positions());
         if let Some(corners) = self.corners(progress)? {
             let mut search = take_search(&self.front_searches);
             let reached = search.run(corners, points, sources, radius, progress).map(<[u32]>::to_vec);

@@ -16,7 +16,8 @@ mod weights;
 pub use distance::{SurfaceSearch, surface_distance};
 pub use far::FarPoint;
 pub(crate) use front::{FrontSource, SourceExtent};
-pub use metric::{MetricEdges, SurfaceMetric};
+pub(crate) use metric::MetricEdges;
+pub use metric::SurfaceMetric;
 pub use parse::{RegionSyntaxError, parse_region};
 pub use weights::{FieldLookup, RegionWeights};
 
