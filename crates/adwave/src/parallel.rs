@@ -158,6 +158,16 @@ pub(crate) fn try_visit_rows<T: Send>(
     try_map_rows(values, width, at_a_time, progress, work).map(|_: Vec<()>| ())
 }
 
+/// [`try_map_rows`] that nothing can stop.
+pub(crate) fn map_rows<T: Send, R: Send>(
+    values: &mut [T],
+    width: usize,
+    at_a_time: usize,
+    work: impl Fn(usize, &mut [T]) -> R + Sync + Send,
+) -> Vec<R> {
+    expect_not_cancelled(try_map_rows(values, width, at_a_time, Progress::none(), work))
+}
+
 /// Results of `work(first row, rows)` for each chunk of the rows of `values`, with `width` values per row, in the
 /// order of the chunks.
 pub(crate) fn try_map_rows<T: Send, R: Send>(
@@ -174,6 +184,38 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
         results.set(chunk, work(chunk * at_a_time, &mut lock_slot(&parts[chunk])));
     })?;
     Ok(results.into_results())
+}
+
+/// Number of rows whose channels a thread copies at a time.
+const COPIED_AT_A_TIME: usize = 1 << 12;
+
+/// The `channels` of a signal of n × `n_channels` values, n × channels; stops if the call is cancelled.
+pub(crate) fn try_take_channels(
+    signal: &[f64],
+    n_channels: usize,
+    channels: Range<usize>,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
+    let width = channels.len();
+    let mut taken: Vec<f64> = zeros(signal.len() / n_channels * width);
+    try_visit_rows(&mut taken, width, COPIED_AT_A_TIME, progress, |first, rows| {
+        let given = signal[first * n_channels..].chunks_exact(n_channels);
+        rows.chunks_exact_mut(width)
+            .zip(given)
+            .for_each(|(to, from)| to.copy_from_slice(&from[channels.clone()]));
+    })?;
+    Ok(taken)
+}
+
+/// Puts values of some `channels`, n × channels, into a signal of n × `n_channels` values.
+pub(crate) fn put_channels(values: &[f64], signal: &mut [f64], n_channels: usize, channels: Range<usize>) {
+    let width = channels.len();
+    visit_rows(signal, n_channels, COPIED_AT_A_TIME, |first, rows| {
+        let given = values[first * width..].chunks_exact(width);
+        rows.chunks_exact_mut(n_channels)
+            .zip(given)
+            .for_each(|(to, from)| to[channels.clone()].copy_from_slice(from));
+    });
 }
 
 /// Values at `0..n`, computed by chunks of rows.
@@ -252,6 +294,27 @@ pub(crate) fn try_each<T: Send>(
     work: impl Fn(T) -> Result<(), Cancelled> + Sync + Send,
 ) -> Result<(), Cancelled> {
     try_map_owned(items, n_rows, progress, work)?.into_iter().collect()
+}
+
+/// Sums over i in `0..n` of what `add(i, sums)` adds to `n_sums` of them, with the same bits on any number of threads.
+pub(crate) fn sums(n: usize, n_sums: usize, add: impl Fn(usize, &mut [f64]) + Sync + Send) -> Vec<f64> {
+    expect_not_cancelled(try_sums(n, n_sums, Progress::none(), add))
+}
+
+/// [`sums`]; stops if the call is cancelled.
+pub(crate) fn try_sums(
+    n: usize,
+    n_sums: usize,
+    progress: Progress<'_>,
+    add: impl Fn(usize, &mut [f64]) + Sync + Send,
+) -> Result<Vec<f64>, Cancelled> {
+    let chunk = |(): &mut (), range: Range<usize>| {
+        let mut sums = vec![0.0; n_sums];
+        range.for_each(|i| add(i, &mut sums));
+        sums
+    };
+    let parts = try_map_chunks(n, TERMS_AT_A_TIME, progress, || (), chunk)?;
+    Ok((0..n_sums).map(|k| parts.iter().map(|part| part[k]).sum()).collect())
 }
 
 /// Result of a call with [`Progress::none`], which nothing can cancel.

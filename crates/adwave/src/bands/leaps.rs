@@ -7,10 +7,10 @@
 //! rounding alone may be too large; then the caller takes the series, which start from `(I − Φ₁)f`.
 
 use super::chebyshev::EvaluationInfo;
-use super::transform::add;
 use super::{BandsError, FINEST_ACCURACY, Schedule, Transform};
 use crate::operator::{Invariant, Leap, RowWeights};
 use crate::pages::zeros;
+use crate::sparse::SignalView;
 use crate::{Progress, parallel};
 
 /// Accuracy of a leap relative to the requested accuracy of the bands, or to what a band that missed it needs.
@@ -23,66 +23,58 @@ const MOST_ATTEMPTS: usize = 4;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Transform {
-    /// Calls `each(level, W_f(level))` for each level, counted from 0, and again with finer leaps until every band
-    /// keeps to the accuracy.
-    pub(super) fn leap_bands(
+    /// Leaps from level to level, and again with finer leaps until every band keeps to the accuracy. S_f(j), counted from 0,
+    /// is in the vector j modulo their number. `each(level, S_f(j − 1), S_f(j))` returns the norms of the band and of
+    /// S_f(j), and may change S_f(j − 1).
+    fn leap_bands(
         &self,
         leap: &dyn Leap,
-        signal: &[f64],
-        n_channels: usize,
+        signal: SignalView<'_>,
         schedule: &Schedule,
+        vectors: &mut [&mut [f64]],
         progress: Progress<'_>,
-        mut each: impl FnMut(usize, &[f64]),
+        mut each: impl FnMut(usize, &mut [f64], &[f64]) -> [f64; 2],
     ) -> Result<EvaluationInfo, BandsError> {
-        let operator = self.operator();
-        let (n, weights, accuracy) = (operator.n_rows(), operator.weights(), self.params().accuracy);
-        let centered = || match operator.invariant() {
-            Invariant::Constants => without_mean(signal, n_channels, n, weights),
-            Invariant::Nothing => signal.to_vec(),
-        };
-        let norm = |values: &[f64]| {
-            let square = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>();
-            match weights {
-                RowWeights::Uniform => (sum_of_squares(values) / n as f64).sqrt(),
-                RowWeights::Each(weights) => {
-                    parallel::sum(n, |x| weights[x] * square(&values[x * n_channels..][..n_channels])).sqrt()
-                }
-            }
-        };
+        let (operator, accuracy) = (self.operator(), self.params().accuracy);
+        let n_channels = signal.n_channels;
+        let measure = RowNorm { n_channels, weights: operator.weights() };
         let steps = schedule.steps_from_zero();
         let mut missed: Option<(usize, f64)> = None;
         let mut asked = (MARGIN * accuracy).max(FINEST_ACCURACY);
         for _ in 0..MOST_ATTEMPTS {
-            let (mut now, mut next, mut error, mut worst) = (centered(), zeros(signal.len()), 0.0, 0.0_f64);
+            let (mut error, mut worst) = (0.0, 0.0_f64);
             let before_that = missed.take();
             let (mut n_leaps, mut largest_bound) = (0, 0.0_f64);
+            match operator.invariant() {
+                Invariant::Constants => measure.subtract_mean(signal.values, vectors[0]),
+                Invariant::Nothing => vectors[0].copy_from_slice(signal.values),
+            }
+            let mut size = measure.norm(vectors[0]);
             for (level, pair) in steps.windows(2).enumerate() {
                 progress.step(level as u64, schedule.n_levels() as u64)?;
-                let (size, before) = (norm(&now), error);
+                let [now, next] = [level, level + 1].map(|j| j % vectors.len());
+                let [now, next] = vectors.get_disjoint_mut([now, next]).expect("two vectors or more");
+                let before = error;
                 let bound =
-                    leap.take_steps(pair[1] - pair[0], &now, n_channels, asked, &mut next, progress.quiet())?;
+                    leap.take_steps(pair[1] - pair[0], now, n_channels, asked, next, progress.quiet())?;
                 n_leaps += 1;
                 largest_bound = largest_bound.max(bound);
                 error = before + bound * size;
-                parallel::visit_rows(&mut now, 1, super::bands::VERTICES_AT_A_TIME, |first, rows| {
-                    rows.iter_mut().zip(&next[first..]).for_each(|(now, next)| *now -= next);
-                });
-                let band = norm(&now);
+                let [band, coarser] = each(level, now, next);
                 let off = before + error + ROUNDING * size;
                 let relative = if off > 0.0 && band > 0.0 { off / band } else { 0.0 };
                 if relative > accuracy {
                     missed.get_or_insert((level + 1, relative));
                 }
                 worst = worst.max(relative);
-                each(level, &now);
-                std::mem::swap(&mut now, &mut next);
+                size = coarser;
             }
             if missed.is_none() {
                 let info = EvaluationInfo { products: n_leaps, terms: n_leaps, ..EvaluationInfo::default() };
                 return Ok(EvaluationInfo { error_bound: worst, ..info });
             }
             // Leaps that are as accurate as they can be.
-            if asked <= FINEST_ACCURACY || missed == before_that {
+            if asked.min(largest_bound) <= FINEST_ACCURACY || missed == before_that {
                 break;
             }
             // What the leaps reached, not what was asked: they may be far more accurate.
@@ -92,18 +84,24 @@ impl Transform {
         Err(BandsError::Missed { level, accuracy, reached })
     }
 
-    /// Bands of all levels by leaps.
+    /// Bands of all levels by leaps, which go through the vectors of the bands and one more.
     pub(super) fn wavelets_by_leaps(
         &self,
         leap: &dyn Leap,
-        signal: &[f64],
-        n_channels: usize,
+        signal: SignalView<'_>,
         schedule: &Schedule,
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
-        self.leap_bands(leap, signal, n_channels, schedule, progress, |level, band| {
-            wavelets[level].copy_from_slice(band);
+        let measure = RowNorm { n_channels: signal.n_channels, weights: self.operator().weights() };
+        let mut last = zeros(signal.values.len());
+        let mut vectors: Vec<&mut [f64]> = wavelets.iter_mut().map(|wavelet| &mut **wavelet).collect();
+        vectors.push(&mut last);
+        self.leap_bands(leap, signal, schedule, &mut vectors, progress, |_, finer, coarser| {
+            measure.visit_band(finer, &[], coarser, |band, _, coarser| {
+                *band -= coarser; // W_f(j) = S_f(j−1) − S_f(j) (eq. 11)
+                *band
+            })
         })
     }
 
@@ -111,53 +109,115 @@ impl Transform {
     pub(super) fn weighted_by_leaps(
         &self,
         leap: &dyn Leap,
-        signal: &[f64],
-        n_channels: usize,
+        signal: SignalView<'_>,
         weights: super::transform::LevelFactors<'_>,
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
         let super::transform::LevelFactors { schedule, factors } = weights;
-        self.leap_bands(leap, signal, n_channels, schedule, progress, |level, band| {
-            if level == 0 {
-                out.fill(0.0); // a repetition begins again
-            }
-            add(factors[level], band, out, n_channels);
+        let measure = RowNorm { n_channels: signal.n_channels, weights: self.operator().weights() };
+        let (mut now, mut next) = (zeros(signal.values.len()), zeros(signal.values.len()));
+        let vectors: &mut [&mut [f64]] = &mut [&mut now, &mut next];
+        self.leap_bands(leap, signal, schedule, vectors, progress, |level, finer, coarser| {
+            let (factor, is_first) = (factors[level], level == 0);
+            measure.visit_band(out, finer, coarser, |sum, finer, coarser| {
+                let band = finer - coarser;
+                *sum = if is_first { factor * band } else { *sum + factor * band };
+                band
+            })
         })
     }
 }
 
-/// The signal less the weighted mean of each channel.
-fn without_mean(signal: &[f64], n_channels: usize, n: usize, weights: RowWeights<'_>) -> Vec<f64> {
-    let total = parallel::sum(n, |x| weights.weight(x, n));
-    let means: Vec<f64> = (0..n_channels)
-        .map(|c| parallel::sum(n, |x| weights.weight(x, n) * signal[x * n_channels + c]) / total)
-        .collect();
-    let mut centered: Vec<f64> = zeros(signal.len());
-    parallel::visit_rows(&mut centered, n_channels, super::bands::VERTICES_AT_A_TIME, |first, rows| {
-        let given = signal[first * n_channels..].chunks_exact(n_channels);
-        for (row, given) in rows.chunks_exact_mut(n_channels).zip(given) {
-            for ((centered, value), mean) in row.iter_mut().zip(given).zip(&means) {
-                *centered = value - mean;
-            }
-        }
-    });
-    centered
+/// Norms of signals with a weight for each row.
+#[derive(Clone, Copy)]
+struct RowNorm<'a> {
+    n_channels: usize,
+    weights: RowWeights<'a>,
 }
 
-/// Sum of squares, of several values at once.
-fn sum_of_squares(values: &[f64]) -> f64 {
-    const TOGETHER: usize = 8;
-    const AT_A_TIME: usize = 1 << 13;
-    let chunk = |range: std::ops::Range<usize>| {
-        let (whole, rest) = values[range].as_chunks::<TOGETHER>();
-        let mut sums = [0.0; TOGETHER];
-        for values in whole {
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += value * value;
+impl RowNorm<'_> {
+    fn norm(self, values: &[f64]) -> f64 {
+        let (d, n) = (self.n_channels, values.len() / self.n_channels);
+        let square = |x: usize| values[x * d..][..d].iter().map(|v| v * v).sum::<f64>();
+        parallel::sum(n, |x| self.weights.weight(x, n) * square(x)).sqrt()
+    }
+
+    /// The signal less the weighted mean of each channel.
+    fn subtract_mean(self, signal: &[f64], out: &mut [f64]) {
+        let (d, n) = (self.n_channels, signal.len() / self.n_channels);
+        let total = parallel::sum(n, |x| self.weights.weight(x, n));
+        // All channels at once: one by one, each would read the whole signal.
+        let sums = parallel::sums(n, d, |x, sums| {
+            let weight = self.weights.weight(x, n);
+            sums.iter_mut().zip(&signal[x * d..][..d]).for_each(|(sum, value)| *sum += weight * value);
+        });
+        let means: Vec<f64> = sums.into_iter().map(|sum| sum / total).collect();
+        parallel::visit_rows(out, d, super::bands::VERTICES_AT_A_TIME, |first, rows| {
+            for (row, given) in rows.chunks_exact_mut(d).zip(signal[first * d..].chunks_exact(d)) {
+                for ((centered, value), mean) in row.iter_mut().zip(given).zip(&means) {
+                    *centered = value - mean;
+                }
             }
+        });
+    }
+
+    /// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the norms of the band
+    /// and of `coarser`, in one pass over memory. `finer` is empty if `put` finds its values in `out`.
+    fn visit_band(
+        self,
+        out: &mut [f64],
+        finer: &[f64],
+        coarser: &[f64],
+        put: impl Fn(&mut f64, f64, f64) -> f64 + Sync + Send,
+    ) -> [f64; 2] {
+        let (d, n) = (self.n_channels, (coarser.len() / self.n_channels) as f64);
+        // Values that nobody looks at.
+        let finer = if finer.is_empty() { coarser } else { finer };
+        let chunk = |first: usize, out: &mut [f64]| {
+            let (finer, coarser) = (&finer[first * d..][..out.len()], &coarser[first * d..][..out.len()]);
+            match self.weights {
+                RowWeights::Uniform => put_band(out, finer, coarser, &put).map(|sum| sum / n),
+                RowWeights::Each(weights) => {
+                    let rows =
+                        out.chunks_exact_mut(d).zip(finer.chunks_exact(d)).zip(coarser.chunks_exact(d));
+                    rows.zip(&weights[first..]).fold([0.0; 2], |sums, (((out, finer), coarser), weight)| {
+                        let row = put_band(out, finer, coarser, &put);
+                        [0, 1].map(|i| sums[i] + weight * row[i])
+                    })
+                }
+            }
+        };
+        let parts = parallel::map_rows(out, d, super::bands::VERTICES_AT_A_TIME, chunk);
+        [0, 1].map(|i| parts.iter().map(|part| part[i]).sum::<f64>().sqrt())
+    }
+}
+
+/// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the sums of squares of the
+/// band and of `coarser`.
+fn put_band(
+    out: &mut [f64],
+    finer: &[f64],
+    coarser: &[f64],
+    put: &impl Fn(&mut f64, f64, f64) -> f64,
+) -> [f64; 2] {
+    /// Values that are summed at once.
+    const TOGETHER: usize = 8;
+    let (outs, last_out) = out.as_chunks_mut::<TOGETHER>();
+    let (finers, last_finer) = finer.as_chunks::<TOGETHER>();
+    let (coarsers, last_coarser) = coarser.as_chunks::<TOGETHER>();
+    let (mut bands, mut rests) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+    for ((out, finer), coarser) in outs.iter_mut().zip(finers).zip(coarsers) {
+        for lane in 0..TOGETHER {
+            let band = put(&mut out[lane], finer[lane], coarser[lane]);
+            bands[lane] += band * band;
+            rests[lane] += coarser[lane] * coarser[lane];
         }
-        sums.iter().sum::<f64>() + rest.iter().map(|v| v * v).sum::<f64>()
-    };
-    parallel::map_chunks(values.len(), AT_A_TIME, chunk).into_iter().sum()
+    }
+    for ((out, finer), coarser) in last_out.iter_mut().zip(last_finer).zip(last_coarser) {
+        let band = put(out, *finer, *coarser);
+        bands[0] += band * band;
+        rests[0] += coarser * coarser;
+    }
+    [bands.iter().sum(), rests.iter().sum()]
 }

@@ -87,6 +87,16 @@ impl Transform {
         check_signal(signal, vertex_map.n_vertices(), n_channels)?;
         let (len, n_levels) = (signal.len(), schedule.n_levels());
         check_buffer(buffer.len(), (n_levels + 1) * len)?;
+        if vertex_map.is_identity() {
+            let (wavelets, coarsest) = buffer.split_at_mut(n_levels * len);
+            let mut outs: Vec<&mut [f64]> = wavelets.chunks_exact_mut(len).collect();
+            let info = self.wavelets_into(signal, n_channels, schedule, &mut outs, progress)?;
+            parallel::try_visit_rows(coarsest, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+                rows.copy_from_slice(&signal[first * n_channels..][..rows.len()]);
+                subtract_bands(rows, wavelets, len, first * n_channels);
+            })?;
+            return Ok(info);
+        }
         let mut mean = vertex_map.mean(signal, n_channels);
         // W_f(j) is first computed in the analysis order in the slot of its successor; then the levels move up one
         // by one.
@@ -101,11 +111,7 @@ impl Transform {
             order.add_difference(1.0, signal, &mean, first)?;
         }
         parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, mean| {
-            for band in rest.chunks_exact(len) {
-                for (s, w) in mean.iter_mut().zip(&band[first * n_channels..]) {
-                    *s -= w; // S_f(j) = S_f(j−1) − W_f(j) (eq. 11)
-                }
-            }
+            subtract_bands(mean, rest, len, first * n_channels);
         })?;
         for level in 2..=n_levels {
             let (finer, coarser) = buffer.split_at_mut(level * len);
@@ -134,16 +140,30 @@ impl Transform {
         check_factors(factors, schedule)?;
         let result = 8 * signal.len() as u64;
         self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 2))?;
+        let mut sum = zeros(signal.len());
+        if vertex_map.is_identity() {
+            let info = self.weighted_into(signal, n_channels, schedule, factors, &mut sum, progress)?;
+            return Ok((sum, info));
+        }
         let mean = vertex_map.mean(signal, n_channels);
         let mut out = zeros(mean.len());
         let info = self.weighted_into(&mean, n_channels, schedule, factors, &mut out, progress)?;
         let order = ShapeOrder { vertex_map, n_channels, progress };
-        let mut sum = zeros(signal.len());
         order.gather(&out, &mut sum)?;
         if vertex_map.n_welded() < vertex_map.n_vertices() {
             order.add_difference(factors[0], signal, &mean, &mut sum)?;
         }
         Ok((sum, info))
+    }
+}
+
+/// Subtracts from `values`, a part of S_f(0) from index `first` on, the bands of `len` values each: `S_f(j) = S_f(j−1) −
+/// W_f(j)` (eq. 11).
+fn subtract_bands(values: &mut [f64], bands: &[f64], len: usize, first: usize) {
+    for band in bands.chunks_exact(len) {
+        for (s, w) in values.iter_mut().zip(&band[first..]) {
+            *s -= w;
+        }
     }
 }
 

@@ -171,7 +171,8 @@ impl Transform {
         let stages = self.stages(schedule);
         self.check_precision(schedule, progress)?;
         let outcome = if let Some(leap) = self.leap() {
-            match self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress) {
+            let view = SignalView { values: signal, n_channels };
+            match self.wavelets_by_leaps(leap, view, schedule, wavelets, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
                     return self
                         .with_series()
@@ -221,8 +222,9 @@ impl Transform {
         let stages = self.stages(schedule);
         self.check_precision(schedule, progress)?;
         let outcome = if let Some(leap) = self.leap() {
-            let levels = LevelFactors { schedule, factors };
-            match self.weighted_by_leaps(leap, signal, n_channels, levels, out, progress) {
+            let (view, levels) =
+                (SignalView { values: signal, n_channels }, LevelFactors { schedule, factors });
+            match self.weighted_by_leaps(leap, view, levels, out, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
                     return self
                         .with_series()

@@ -162,7 +162,7 @@ impl VertexMap {
     }
 
     /// True if the map was made as the identity, so that values need no new order.
-    fn is_identity(&self) -> bool {
+    pub(crate) fn is_identity(&self) -> bool {
         Arc::ptr_eq(&self.welded, &self.last_member)
     }
 

@@ -405,7 +405,7 @@ impl TimeLevel<'_> {
     /// Smooths rows of values, frames × components, in place.
     fn advance(&self, rows: &mut [f64]) {
         match self {
-            Self::Heat { lines, solve } => lines.diffuse_blocks(solve, rows),
+            Self::Heat { lines, solve } => lines.diffuse_blocks(solve, None, rows),
             Self::Causal { shares, n_components } => {
                 for row in rows.chunks_exact_mut((shares.len() + 1) * n_components) {
                     filter_row(shares, *n_components, row);
