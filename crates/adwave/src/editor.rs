@@ -5,7 +5,7 @@ use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer, We
 use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::region::RegionWeights;
-use crate::{BandsRequest, Decomposer, Progress};
+use crate::{BandsRequest, Decomposer, Progress, parallel};
 
 /// The welded vertices that an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,14 +112,14 @@ impl BandsRequest<'_> {
         for at in (0..n_channels).step_by(most) {
             self.reports().step(at as u64, n_channels as u64).map_err(BandsError::from)?;
             let width = most.min(n_channels - at);
-            let group: Vec<f64> =
-                values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
+            let channels = at..at + width;
+            let group =
+                parallel::try_take_channels(values, n_channels, channels.clone(), self.reports().quiet());
+            let group = group.map_err(BandsError::from)?;
             let request = self.with_signal(&group, width).progress(self.reports().quiet());
             let (group, own) = request.filter_layers_with_info(layers)?;
             info = Some(info.map_or_else(|| own.clone(), |sum| sum.plus(&own)));
-            for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
-                row[at..at + width].copy_from_slice(group);
-            }
+            parallel::put_channels(&group, &mut edited, n_channels, channels);
         }
         Ok((edited, info.expect("many channels are a group or more")))
     }

@@ -8,7 +8,8 @@ mod resolve;
 mod write;
 
 use crate::error::CliError;
-use crate::global::Global;
+use crate::global::{Global, HeapUse};
+use adwave::MANY_CHANNELS;
 pub(crate) use args::FilterArgs;
 use columns::compute_by_columns;
 use compute::compute;
@@ -17,6 +18,10 @@ use write::write;
 
 pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError> {
     let job = resolve(args, global)?;
+    if job.columns.is_some() || job.signal.n_channels >= MANY_CHANNELS {
+        // A group of channels needs the vectors of the one before.
+        global.tune_heap(HeapUse::ReuseVectors);
+    }
     let result = match &job.columns {
         Some(columns) => compute_by_columns(&job, columns, global)?,
         None => compute(&job, global)?,
