@@ -10,7 +10,7 @@ use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
 use crate::output::provenance::provenance;
 use crate::output::stopwatch::Stopwatch;
-use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
+use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, write_grid};
 use crate::output::{
     check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, number, peak_memory,
     percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
@@ -253,6 +253,17 @@ fn write(
         BandsFile::Npz => with_spinner(global, "writing", || {
             let extra = job.time.as_ref();
             write_arrays(global, &args.output, &job.input, values, bands, extra)
+        }),
+        BandsFile::Alone(ValuesFile::Grid) => with_spinner(global, "writing", || {
+            let (levels, d) = (bands.as_slice(), bands.n_channels);
+            let len = bands.n_vertices * d;
+            let copy = |i: usize, row: &mut [f64]| {
+                let levels = levels.chunks_exact(len);
+                row.chunks_exact_mut(d)
+                    .zip(levels)
+                    .for_each(|(row, level)| row.copy_from_slice(&level[i * d..][..d]));
+            };
+            write_grid(global, &args.output, (bands.n_levels() + 1) * d, copy, &job.input.file)
         }),
         BandsFile::Alone(kind) => {
             let write = || kind.write(global, &args.output, &band_fields(bands), &job.input.file);

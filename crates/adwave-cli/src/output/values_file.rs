@@ -4,10 +4,12 @@
 use super::{clone_for_output, has_extension, note, write_file, write_file_with, write_shape};
 use crate::error::CliError;
 use crate::global::Global;
+use adwave::pages::zeros;
 use adwave_io::{
     ArrayValues, BRAIN_VALUES, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile,
     ValueType, rewrite_values, write_cifti_fields, write_csv_fields, write_gifti_fields, write_npy,
 };
+use rayon::prelude::*;
 use std::path::Path;
 
 /// A kind of file for values alone.
@@ -73,7 +75,7 @@ impl ValuesFile {
         file: &ShapeFile,
     ) -> Result<(), CliError> {
         if self == Self::Grid {
-            return write_grid(global, path, fields, file);
+            return write_grid(global, path, count_channels(fields), |i, row| copy_row(fields, i, row), file);
         }
         if let (Self::Cifti(_), Some(_)) = (self, file.brain()) {
             let mut brain = clone_for_output(file, path);
@@ -206,15 +208,59 @@ fn count_channels(fields: &[Field]) -> usize {
     fields.iter().map(|field| field.n_channels).sum()
 }
 
+/// Rows that a thread joins at a time.
+const JOINED_AT_A_TIME: usize = 1 << 12;
+
 /// The channels of all fields beside each other.
 fn join(fields: &[Field]) -> Vec<f64> {
-    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
-    (0..fields.first().map_or(0, Field::len)).flat_map(row).collect()
+    if let [Field { values: FieldValues::F64(values), .. }] = fields {
+        return values.clone();
+    }
+    join_rows(
+        fields.first().map_or(0, Field::len),
+        count_channels(fields),
+        |v| v,
+        |i, row| copy_row(fields, i, row),
+    )
 }
 
-/// Writes fields as the channels of an image or a volume, in the type that is asked for, else as floats of 32 bits, or of
-/// 64 if the one that was read has these.
-fn write_grid(global: &Global<'_>, path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), CliError> {
+/// Copies the channels of all fields at row `i`.
+fn copy_row(fields: &[Field], i: usize, row: &mut [f64]) {
+    let mut rest = row;
+    for field in fields {
+        let (own, after) = rest.split_at_mut(field.n_channels);
+        own.iter_mut().enumerate().for_each(|(c, v)| *v = field.get(i, c));
+        rest = after;
+    }
+}
+
+/// The rows that `copy(i, row)` fills, n × `n_channels`, with each number converted.
+fn join_rows<T: Copy + Default + Send>(
+    n: usize,
+    n_channels: usize,
+    convert: fn(f64) -> T,
+    copy: impl Fn(usize, &mut [f64]) + Sync,
+) -> Vec<T> {
+    let mut joined = zeros(n * n_channels);
+    joined.par_chunks_mut((JOINED_AT_A_TIME * n_channels).max(1)).enumerate().for_each(|(chunk, rows)| {
+        let mut values = vec![0.0; n_channels];
+        for (k, row) in rows.chunks_exact_mut(n_channels).enumerate() {
+            copy(chunk * JOINED_AT_A_TIME + k, &mut values);
+            row.iter_mut().zip(&values).for_each(|(to, from)| *to = convert(*from));
+        }
+    });
+    joined
+}
+
+/// Writes values as the channels of an image or a volume, in the type that is asked for, else as floats of 32 bits, or of
+/// 64 if the one that was read has these; `copy(i, row)` fills the row of place i.
+pub(crate) fn write_grid(
+    global: &Global<'_>,
+    path: &Path,
+    n_channels: usize,
+    copy: impl Fn(usize, &mut [f64]) + Sync,
+    file: &ShapeFile,
+) -> Result<(), CliError> {
     if file.grid().is_none() {
         return Err(CliError::Input(format!(
             "{}: an image or a volume is written for values of an image or a volume alone; use .npy",
@@ -224,13 +270,13 @@ fn write_grid(global: &Global<'_>, path: &Path, fields: &[Field], file: &ShapeFi
     let mut grid = clone_for_output(file, path);
     let is_double = file.field(GRID_VALUES).is_some_and(|field| field.values.value_type() == ValueType::F64);
     let usual = if is_double { ValueType::F64 } else { ValueType::F32 };
-    let (kind, values) = (file.value_type().unwrap_or(usual), join(fields));
+    let (kind, n) = (file.value_type().unwrap_or(usual), file.n_vertices());
     let values = if kind == ValueType::F32 {
-        FieldValues::F32(values.iter().map(|v| *v as f32).collect())
+        FieldValues::F32(join_rows(n, n_channels, |v| v as f32, copy))
     } else {
-        FieldValues::F64(values)
+        FieldValues::F64(join_rows(n, n_channels, |v| v, copy))
     };
     grid.set_value_type(Some(kind));
-    grid.add_vertex_field(Field::new(GRID_VALUES, count_channels(fields), values))?;
+    grid.add_vertex_field(Field::new(GRID_VALUES, n_channels, values))?;
     write_shape(global, &grid, path).map(|_| ())
 }
