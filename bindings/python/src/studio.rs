@@ -17,7 +17,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Time between two checks of signals.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Serves the studio until the page is done or a signal raises; `ready` is called with the address. Returns the edit as
+/// Serves the studio until the page is done or a signal raises; `ready` is called with the address and with the one for
+/// the browser. Returns the edit as
 /// a recipe, and the positions after it.
 #[pyfunction]
 fn studio<'py>(
@@ -45,12 +46,12 @@ fn studio<'py>(
         let server = scope.spawn(move || {
             let progress = Progress::none().with_cancel(stop);
             // The calling thread waits for the address.
-            serve(input, &params, progress, |address| drop(send.send(address.url.clone())))
+            serve(input, &params, progress, |address| drop(send.send(address.clone())))
         });
         while !server.is_finished() {
             py.detach(|| std::thread::sleep(LOOK));
             let checked = py.check_signals().and_then(|()| match receive.try_recv() {
-                Ok(address) => ready.call1((address,)).map(|_| ()),
+                Ok(address) => ready.call1((address.url, address.url_for_browser)).map(|_| ()),
                 Err(_) => Ok(()),
             });
             if let Err(error) = checked {

@@ -42,8 +42,9 @@ def while_it_runs(
 
     def do_work() -> None:
         try:
-            page = Path(pages.get(timeout=60).removeprefix("file://")).read_text(encoding="utf-8")
-            work(asking(page.split("url=")[1].split('"')[0]))
+            # It leads to the page, whose address holds the token.
+            with urllib.request.urlopen(pages.get(timeout=60), timeout=60) as page:
+                work(asking(page.url))
         except BaseException as error:
             failed.append(error)
             os.kill(os.getpid(), signal.SIGINT)

@@ -4,20 +4,25 @@
 //! Three rules protect it. The `Host` header must be one of its own names, so that a DNS name rebound to the loopback
 //! is rejected. A request sent by a page must come from this page. All requests below `/api` need a token that only the
 //! printed link contains. There are no cookies, which other ports would share, and no permissions for other origins.
+//!
+//! The browser is opened by another link, which leads to the printed one: all users of the machine can read the arguments
+//! of a program. It works once, so that whoever reads it there comes too late, or is noticed.
 
 use crate::response::ApiError;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Token and host names against which requests are checked.
 #[derive(Debug)]
 pub(crate) struct Guard {
     token: String,
+    /// Last part of the link that opens the browser, until it is used.
+    ticket: Mutex<Option<String>>,
     /// Accepted `Host` headers, `NAME:PORT`.
     hosts: Vec<String>,
 }
@@ -37,6 +42,9 @@ const HEADERS: &[(&str, &str)] = &[
     ("cross-origin-resource-policy", "same-origin"),
 ];
 
+/// Beginning of the path that leads to the page once.
+const TICKETS: &str = "/open/";
+
 /// Number of random bytes of a token: 192 bits.
 const N_TOKEN_BYTES: usize = 24;
 
@@ -50,13 +58,36 @@ pub(crate) fn generate_token() -> std::io::Result<String> {
 impl Guard {
     /// Creates the guard of a server on `port`, with a new token; `host` is an additional name of the server.
     pub(crate) fn new(port: u16, host: Option<&str>) -> std::io::Result<Self> {
-        let token = generate_token()?;
+        let (token, ticket) = (generate_token()?, Mutex::new(Some(generate_token()?)));
         let names = ["127.0.0.1", "localhost", "[::1]"].into_iter().chain(host);
-        Ok(Self { token, hosts: names.map(|name| format!("{name}:{port}")).collect() })
+        Ok(Self { token, ticket, hosts: names.map(|name| format!("{name}:{port}")).collect() })
     }
 
-    pub(crate) fn token(&self) -> &str {
-        &self.token
+    /// Path of the page with the access token.
+    pub(crate) fn page(&self) -> String {
+        format!("/#{}", self.token)
+    }
+
+    /// Path that leads to the [`page`](Self::page) once; the page itself if it has been used.
+    pub(crate) fn path_for_browser(&self) -> String {
+        self.ticket().as_ref().map_or_else(|| self.page(), |ticket| format!("{TICKETS}{ticket}"))
+    }
+
+    fn ticket(&self) -> MutexGuard<'_, Option<String>> {
+        self.ticket.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Response to a request for the page by a ticket; `None` if it is for something else.
+    fn redeem(&self, request: &Request) -> Option<Response> {
+        let given = request.uri().path().strip_prefix(TICKETS).filter(|_| request.method() == Method::GET)?;
+        let mut ticket = self.ticket();
+        if !ticket.as_deref().is_some_and(|ticket| is_same(given, ticket)) {
+            let message = "This link works once, and was opened before. If that was not you, end the studio; else open \
+                           the link printed in the terminal.";
+            return Some(ApiError::new(StatusCode::UNAUTHORIZED, message).into_response());
+        }
+        *ticket = None;
+        Some((StatusCode::SEE_OTHER, [(header::LOCATION, self.page())]).into_response())
     }
 
     /// Returns the error of a request that breaks a rule.
@@ -94,16 +125,24 @@ impl Guard {
     fn has_token(&self, headers: &HeaderMap) -> bool {
         let header = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
         let Some(token) = header.and_then(|value| value.strip_prefix("Bearer ")) else { return false };
-        let differs = token.bytes().zip(self.token.bytes()).fold(0, |bits, (a, b)| bits | (a ^ b));
-        token.len() == self.token.len() && differs == 0
+        is_same(token, &self.token)
     }
+}
+
+/// True if the texts are equal; the comparison takes a time that depends on their lengths alone.
+fn is_same(given: &str, secret: &str) -> bool {
+    let differs = given.bytes().zip(secret.bytes()).fold(0, |bits, (a, b)| bits | (a ^ b));
+    given.len() == secret.len() && differs == 0
 }
 
 /// Middleware: rejects requests that break a rule, and adds the security headers to every response.
 pub(crate) async fn check_request(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
     let mut response = match guard.check(&request) {
         Some(error) => error.into_response(),
-        None => next.run(request).await,
+        None => match guard.redeem(&request) {
+            Some(response) => response,
+            None => next.run(request).await,
+        },
     };
     for &(name, value) in HEADERS {
         // A report brings its own policy.

@@ -61,6 +61,8 @@ impl StudioParams {
 pub struct StudioAddress {
     /// Link with the access token. Anyone who has the link can use the studio.
     pub url: String,
+    /// Link that leads to [`url`](Self::url) once, to open a browser with: it may show in the list of processes.
+    pub url_for_browser: String,
 }
 
 /// Result of a studio session.
@@ -186,7 +188,8 @@ pub fn serve(
     let outcome = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let host = name.as_deref().unwrap_or("127.0.0.1");
-        ready(&StudioAddress { url: format!("http://{host}:{}/#{}", address.port(), guard.token()) });
+        let url = |path: String| format!("http://{host}:{}{path}", address.port());
+        ready(&StudioAddress { url: url(guard.page()), url_for_browser: url(guard.path_for_browser()) });
         tokio::select! {
             served = axum::serve(listener, app) => served,
             () = wait_for_end(&studio, progress) => Ok(()),

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import sys
-import tempfile
 import webbrowser
 from typing import NamedTuple
 
@@ -72,16 +70,12 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
     >>> edited = aw.studio(aw.sample("creature"))  # doctest: +SKIP
     """
     own = as_shape(shape)
-    with tempfile.TemporaryDirectory(prefix="adwave-studio-") as folder:
 
-        def ready(address: str) -> None:
-            print(address, file=sys.stderr, flush=True)
-            if open_browser:
-                # A file that redirects: the token does not show in the list of processes.
-                page = os.path.join(folder, "studio.html")
-                with open(os.open(page, os.O_WRONLY | os.O_CREAT, 0o600), "w", encoding="utf-8") as file:
-                    file.write(f'<!doctype html><meta http-equiv="refresh" content="0;url={address}">')
-                webbrowser.open("file://" + page)
+    def ready(address: str, address_for_browser: str) -> None:
+        print(address, file=sys.stderr, flush=True)
+        if open_browser:
+            # It works once: the list of processes shows it to all users of the machine.
+            webbrowser.open(address_for_browser)
 
-        recipe, points = _native.studio(own._data, port, ready)
+    recipe, points = _native.studio(own._data, port, ready)
     return StudioResult(own.with_points(points), Recipe(recipe))

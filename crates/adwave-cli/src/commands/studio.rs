@@ -10,11 +10,9 @@ use adwave_io::ShapeKind;
 use adwave_studio::{StudioAddress, StudioInput, StudioParams, serve};
 use clap::Args;
 use serde_json::json;
-use std::io::Write as _;
 use std::net::IpAddr;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use tempfile::NamedTempFile;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -100,7 +98,7 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
             print(global, &text, &json)
         };
         if !args.no_open {
-            browser = open(&served.url);
+            browser = open(&served.url_for_browser);
             if browser.is_none() {
                 note(global, "no browser was found; open the address yourself");
             }
@@ -112,10 +110,8 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     printed
 }
 
-/// Opens the browser by a file that redirects to the address, so that the token does not appear in the list of
-/// processes, which all users of the machine can read. Only the owner can read the file, and it is deleted when the
-/// returned value is dropped.
-fn open(address: &str) -> Option<(NamedTempFile, Child)> {
+/// Starts the browser.
+fn open(address: &str) -> Option<Child> {
     let (program, words): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])
     } else if cfg!(windows) {
@@ -127,11 +123,7 @@ fn open(address: &str) -> Option<(NamedTempFile, Child)> {
         }
         ("xdg-open", &[])
     };
-    let mut page = tempfile::Builder::new().prefix("adwave-studio-").suffix(".html").tempfile().ok()?;
-    write!(page, "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url={address}\">").ok()?;
-    page.flush().ok()?;
     let mut command = Command::new(program);
-    command.args(words).arg(page.path()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let child = command.spawn().ok()?;
-    Some((page, child))
+    command.args(words).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().ok()
 }

@@ -15,6 +15,8 @@ use std::time::Duration;
 pub(crate) struct Studio {
     pub(crate) host: String,
     pub(crate) token: String,
+    /// Path of the link that opens the browser.
+    pub(crate) path_for_browser: String,
     stop: &'static AtomicBool,
     thread: Option<JoinHandle<Result<StudioOutcome, StudioError>>>,
 }
@@ -67,13 +69,15 @@ impl Studio {
         let params = StudioParams::default().with_autosave_folder(Some(autosave_folder.to_path_buf()));
         let thread = std::thread::spawn(move || {
             serve(opened, &params, Progress::none().with_cancel(stop), |served| {
-                send.send(served.url.clone()).unwrap();
+                send.send(served.clone()).unwrap();
             })
         });
         let address = receive.recv_timeout(Duration::from_secs(60)).expect("the studio is served");
         let (host, token) =
-            address.strip_prefix("http://").and_then(|rest| rest.split_once("/#")).expect("an address");
-        Self { host: host.to_owned(), token: token.to_owned(), stop, thread: Some(thread) }
+            address.url.strip_prefix("http://").and_then(|rest| rest.split_once("/#")).expect("an address");
+        let path = address.url_for_browser.strip_prefix(&format!("http://{host}")).expect("the same host");
+        let (host, token, path_for_browser) = (host.to_owned(), token.to_owned(), path.to_owned());
+        Self { host, token, path_for_browser, stop, thread: Some(thread) }
     }
 
     /// Sends a request with only these headers and those that HTTP requires.

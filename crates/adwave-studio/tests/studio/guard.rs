@@ -38,6 +38,25 @@ fn only_who_has_the_token_is_given_anything() {
 }
 
 #[test]
+fn the_link_that_opens_the_browser_leads_to_the_page_once() {
+    let folder = TempDir::new().unwrap();
+    let studio = studio(&folder);
+    let path = &studio.path_for_browser;
+    assert!(path.starts_with("/open/") && !path.contains(&studio.token), "{path}");
+    let wrong = studio.bare("GET", &format!("{}x", &path[..path.len() - 1]), &[], b"");
+    assert_eq!(wrong.status, 401);
+    assert_ne!(studio.bare("HEAD", path, &[], b"").status, 303, "a look at the link does not use it up");
+    assert_eq!(studio.bare("GET", path, &[("Sec-Fetch-Site", "cross-site")], b"").status, 403);
+    let opened = studio.bare("GET", path, &[], b"");
+    assert_eq!(opened.status, 303);
+    let page = format!("/#{}", studio.token).to_lowercase(); // as the test client has all headers
+    assert!(opened.head.contains(&page), "{}", opened.head);
+    let again = studio.bare("GET", path, &[], b"");
+    assert_eq!(again.status, 401);
+    assert!(again.error().contains("works once") && !again.head.contains(&page));
+}
+
+#[test]
 fn names_that_were_bound_to_this_machine_are_not_answered() {
     let folder = TempDir::new().unwrap();
     let studio = studio(&folder);
