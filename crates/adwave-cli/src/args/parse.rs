@@ -3,7 +3,7 @@
 use adwave::denoise::SharedNoise;
 use adwave::region::{Length, Region, RegionSyntaxError, parse_region};
 use adwave::{NamedEntry, NamedValue};
-use adwave_io::ValueType;
+use adwave_io::{LengthUnit, ValueType};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 
@@ -62,11 +62,20 @@ pub(crate) fn shared_noise(text: &str) -> Result<SharedNoise, String> {
 }
 
 /// Reads a length of any sign and size; levels and errors are checked when all is known.
-pub(crate) fn length(text: &str) -> Result<Length, RegionSyntaxError> {
-    match text.trim().parse() {
-        Ok(units) => Ok(Length::Units(units)),
-        Err(_) => text.parse(),
+pub(crate) fn length(text: &str) -> Result<Length, String> {
+    if let Ok(units) = text.trim().parse() {
+        return Ok(Length::Units(units));
     }
+    text.parse().map_err(|error: RegionSyntaxError| {
+        let (number, unit) = text.trim().split_at(text.trim().trim_end_matches(char::is_alphabetic).len());
+        match (number.trim().parse::<f64>(), LengthUnit::from_name(unit)) {
+            (Ok(number), Some(unit)) => format!(
+                "a length has the unit of the file, which `adwave info` states; write {number} for a file in {}",
+                unit.plural()
+            ),
+            _ => error.to_string(),
+        }
+    })
 }
 
 /// Reads a region.

@@ -96,7 +96,7 @@ impl LengthUnit {
     }
 
     /// Name in plural.
-    pub(crate) fn plural(&self) -> String {
+    pub fn plural(&self) -> String {
         match self.name() {
             "inch" => "inches".into(),
             "foot" => "feet".into(),
