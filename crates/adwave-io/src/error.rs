@@ -74,7 +74,9 @@ pub enum ReadError {
         n_vertices: u64,
     },
     /// The content exceeds the limits.
-    #[error("{what}: {found} exceeds the limit of {limit}; raise the limit or split the file")]
+    #[error(
+        "{what}: {found} exceeds the limit of {limit}; split the file, or raise the limit, which for bytes is by default a quarter of the memory that is free"
+    )]
     Limit {
         /// Limited quantity.
         what: &'static str,
