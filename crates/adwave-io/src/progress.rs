@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
+use adwave::pages::with_capacity;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -77,7 +78,7 @@ pub(crate) fn collect<T: Send>(
     progress: Progress<'_>,
     value: impl Fn(usize) -> T + Sync + Send,
 ) -> Result<Vec<T>, Cancelled> {
-    let mut values = Vec::new();
+    let mut values = with_capacity(n);
     extend(&mut values, n, progress, value)?;
     Ok(values)
 }

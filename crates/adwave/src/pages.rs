@@ -15,6 +15,17 @@ pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
     vector
 }
 
+/// An empty vector with room for `len` values, in large pages as [`zeros`] has them.
+///
+/// ```
+/// assert!(adwave::pages::with_capacity::<f64>(3).capacity() >= 3);
+/// ```
+pub fn with_capacity<T>(len: usize) -> Vec<T> {
+    let vector: Vec<T> = Vec::with_capacity(len);
+    prefer_large_pages(vector.as_ptr().cast(), vector.capacity() * size_of::<T>());
+    vector
+}
+
 /// Size in bytes of a cache line.
 #[cfg(target_arch = "x86_64")]
 const LINE: usize = 64;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use adwave::pages::zeros;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -67,7 +68,7 @@ fn read_at_once(file: &File, n: u64, progress: Progress<'_>) -> Result<Vec<u8>, 
     if n < LARGE {
         return Ok(Vec::new());
     }
-    let mut bytes = vec![0; n as usize];
+    let mut bytes = zeros(n as usize);
     let read = bytes.par_chunks_mut(BYTES_PER_STEP).enumerate().try_for_each(|(k, chunk)| {
         progress.check()?;
         read_exact_at(file, chunk, (k * BYTES_PER_STEP) as u64).map_err(ReadError::Io)

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use adwave::pages::zeros;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -161,7 +162,7 @@ impl GridNumbers {
                 T::from_bytes(&bytes[i * width..], order)
             });
         }
-        let mut values = vec![T::default(); self.n_places * n_channels];
+        let mut values = zeros(self.n_places * n_channels);
         let block = (BLOCK_NUMBERS / n_channels.max(1)).clamp(64, BLOCK);
         values.par_chunks_mut(block * n_channels).enumerate().try_for_each(|(b, rows)| {
             progress.check()?;

@@ -12,6 +12,7 @@ use crate::output::progress::with_progress;
 use crate::resolve::operator::{SignalParts, build_decomposer, note_outsiders};
 use crate::resolve::region::note_region;
 use crate::resolve::signal::{KEEP_SENTINELS, Signal, SignalValues, note_unknown};
+use adwave::pages::zeros;
 use adwave::{Decomposer, Progress};
 use adwave_io::{
     Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, WriteError,
@@ -55,7 +56,7 @@ impl Columns {
             Self::Array(columns) => Ok(columns.read(channels, progress)?),
             Self::OfGrid => {
                 let field = file.field(GRID_VALUES).expect("an image or a volume has values");
-                let mut values = vec![0.0; field.len() * channels.len()];
+                let mut values = zeros(field.len() * channels.len());
                 values.par_chunks_exact_mut(channels.len()).enumerate().for_each(|(i, row)| {
                     row.iter_mut().zip(channels.clone()).for_each(|(value, c)| *value = field.get(i, c));
                 });
@@ -108,9 +109,9 @@ impl Values {
     fn new(job: &FilterJob<'_>, n: usize) -> Self {
         match job.input.file.field(GRID_VALUES).map(|field| field.values.value_type()) {
             Some(ValueType::F32) if job.input.file.value_type() != Some(ValueType::F64) => {
-                Self::Single(vec![0.0; n])
+                Self::Single(zeros(n))
             }
-            _ => Self::Double(vec![0.0; n]),
+            _ => Self::Double(zeros(n)),
         }
     }
 
