@@ -112,7 +112,7 @@ impl<'a> Collapser<'a> {
         progress: Progress<'_>,
     ) -> Result<usize, Cancelled> {
         self.turning = turning;
-        self.fill_heap();
+        self.fill_heap(progress)?;
         let (mut remaining, mut n_tries) = (n, 0_u64);
         while remaining > n_left {
             let Some(Reverse(first)) = self.heap.pop() else { break };
@@ -151,19 +151,25 @@ impl<'a> Collapser<'a> {
         (0..wedges.len()).filter(|&k| is_first(k)).count()
     }
 
-    fn fill_heap(&mut self) {
+    fn fill_heap(&mut self, progress: Progress<'_>) -> Result<(), Cancelled> {
+        progress.check()?;
         let n = self.connectivity.n_positions() as u32;
         let candidate = |neighbors: &mut Vec<u32>, u: u32| {
+            if progress.is_cancelled() {
+                return None;
+            }
             let best = next_target(&self.connectivity, &self.quadrics[u as usize], u, None, neighbors);
             best.map(|best| Candidate { stamp: self.stamps[u as usize], ..best })
         };
         let candidates: Vec<Option<Candidate>> =
             (0..n).into_par_iter().map_init(Vec::new, candidate).collect();
+        progress.check()?;
         self.is_queued = candidates.iter().map(Option::is_some).collect();
         self.retries.fill(Retry::default());
         let entries = (0..n).zip(&candidates);
         self.heap = entries.filter_map(|(u, best)| best.map(|best| entry(best.cost, u))).collect();
         self.candidates = candidates.into_iter().map(Option::unwrap_or_default).collect();
+        Ok(())
     }
 
     /// Finds the cheapest collapse of a vertex.
