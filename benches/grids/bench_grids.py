@@ -10,6 +10,7 @@ import resource
 import statistics
 import subprocess
 import sys
+import textwrap
 import time
 from pathlib import Path
 
@@ -199,7 +200,7 @@ def memory_part(bench):
     command = [bench.args.adwave, "filter", path, "-o", bench.work / "none.npy", "--fwhm", "4", "--preset", "suppress"]
     found = subprocess.run([str(c) for c in command], capture_output=True, text=True, preexec_fn=limit)
     path.unlink()
-    told = found.stderr.strip().replace(str(path), path.name)
+    told = textwrap.fill(found.stderr.strip().replace(str(path), path.name), 118)
     return "An image of 4 GB in 1 GB of memory", f"Ends with {found.returncode} and says:\n\n```text\n{told}\n```"
 
 
