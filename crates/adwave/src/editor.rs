@@ -5,7 +5,8 @@ use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer, We
 use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::region::RegionWeights;
-use crate::{BandsRequest, Decomposer, Progress, parallel};
+use crate::{BandsRequest, Cancelled, Decomposer, Progress, parallel};
+use std::ops::Range;
 
 /// The welded vertices that an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,6 +65,38 @@ pub enum EditBits {
     Editor,
 }
 
+/// Number of rows whose channels a thread copies at a time.
+const COPIED_AT_A_TIME: usize = 1 << 12;
+
+/// The `channels` of a signal of n × `n_channels` values, n × channels; stops if the call is cancelled.
+fn take_channels(
+    signal: &[f64],
+    n_channels: usize,
+    channels: Range<usize>,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
+    let width = channels.len();
+    let mut taken: Vec<f64> = zeros(signal.len() / n_channels * width);
+    parallel::try_visit_rows(&mut taken, width, COPIED_AT_A_TIME, progress, |first, rows| {
+        let given = signal[first * n_channels..].chunks_exact(n_channels);
+        rows.chunks_exact_mut(width)
+            .zip(given)
+            .for_each(|(to, from)| to.copy_from_slice(&from[channels.clone()]));
+    })?;
+    Ok(taken)
+}
+
+/// Puts values of some `channels`, n × channels, into a signal of n × `n_channels` values.
+fn put_channels(values: &[f64], signal: &mut [f64], n_channels: usize, channels: Range<usize>) {
+    let width = channels.len();
+    parallel::visit_rows(signal, n_channels, COPIED_AT_A_TIME, |first, rows| {
+        let given = values[first * width..].chunks_exact(width);
+        rows.chunks_exact_mut(n_channels)
+            .zip(given)
+            .for_each(|(to, from)| to[channels.clone()].copy_from_slice(from));
+    });
+}
+
 impl BandsRequest<'_> {
     /// Edits the signal once, and returns the new values with the cost and error bound of its bands. All front ends
     /// edit in this way: gains that hold everywhere are one polynomial, regions on few channels go through an
@@ -113,13 +146,12 @@ impl BandsRequest<'_> {
             self.reports().step(at as u64, n_channels as u64).map_err(BandsError::from)?;
             let width = most.min(n_channels - at);
             let channels = at..at + width;
-            let group =
-                parallel::try_take_channels(values, n_channels, channels.clone(), self.reports().quiet());
+            let group = take_channels(values, n_channels, channels.clone(), self.reports().quiet());
             let group = group.map_err(BandsError::from)?;
             let request = self.with_signal(&group, width).progress(self.reports().quiet());
             let (group, own) = request.filter_layers_with_info(layers)?;
             info = Some(info.map_or_else(|| own.clone(), |sum| sum.plus(&own)));
-            parallel::put_channels(&group, &mut edited, n_channels, channels);
+            put_channels(&group, &mut edited, n_channels, channels);
         }
         Ok((edited, info.expect("many channels are a group or more")))
     }

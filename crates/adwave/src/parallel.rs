@@ -186,38 +186,6 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     Ok(results.into_results())
 }
 
-/// Number of rows whose channels a thread copies at a time.
-const COPIED_AT_A_TIME: usize = 1 << 12;
-
-/// The `channels` of a signal of n × `n_channels` values, n × channels; stops if the call is cancelled.
-pub(crate) fn try_take_channels(
-    signal: &[f64],
-    n_channels: usize,
-    channels: Range<usize>,
-    progress: Progress<'_>,
-) -> Result<Vec<f64>, Cancelled> {
-    let width = channels.len();
-    let mut taken: Vec<f64> = zeros(signal.len() / n_channels * width);
-    try_visit_rows(&mut taken, width, COPIED_AT_A_TIME, progress, |first, rows| {
-        let given = signal[first * n_channels..].chunks_exact(n_channels);
-        rows.chunks_exact_mut(width)
-            .zip(given)
-            .for_each(|(to, from)| to.copy_from_slice(&from[channels.clone()]));
-    })?;
-    Ok(taken)
-}
-
-/// Puts values of some `channels`, n × channels, into a signal of n × `n_channels` values.
-pub(crate) fn put_channels(values: &[f64], signal: &mut [f64], n_channels: usize, channels: Range<usize>) {
-    let width = channels.len();
-    visit_rows(signal, n_channels, COPIED_AT_A_TIME, |first, rows| {
-        let given = values[first * width..].chunks_exact(width);
-        rows.chunks_exact_mut(n_channels)
-            .zip(given)
-            .for_each(|(to, from)| to[channels.clone()].copy_from_slice(from));
-    });
-}
-
 /// Values at `0..n`, computed by chunks of rows.
 pub(crate) fn collect<T: Clone + Default + Send>(
     n: usize,
@@ -298,23 +266,13 @@ pub(crate) fn try_each<T: Send>(
 
 /// Sums over i in `0..n` of what `add(i, sums)` adds to `n_sums` of them, with the same bits on any number of threads.
 pub(crate) fn sums(n: usize, n_sums: usize, add: impl Fn(usize, &mut [f64]) + Sync + Send) -> Vec<f64> {
-    expect_not_cancelled(try_sums(n, n_sums, Progress::none(), add))
-}
-
-/// [`sums`]; stops if the call is cancelled.
-pub(crate) fn try_sums(
-    n: usize,
-    n_sums: usize,
-    progress: Progress<'_>,
-    add: impl Fn(usize, &mut [f64]) + Sync + Send,
-) -> Result<Vec<f64>, Cancelled> {
-    let chunk = |(): &mut (), range: Range<usize>| {
+    let chunk = |range: Range<usize>| {
         let mut sums = vec![0.0; n_sums];
         range.for_each(|i| add(i, &mut sums));
         sums
     };
-    let parts = try_map_chunks(n, TERMS_AT_A_TIME, progress, || (), chunk)?;
-    Ok((0..n_sums).map(|k| parts.iter().map(|part| part[k]).sum()).collect())
+    let parts = map_chunks(n, TERMS_AT_A_TIME, chunk);
+    (0..n_sums).map(|k| parts.iter().map(|part| part[k]).sum()).collect()
 }
 
 /// Result of a call with [`Progress::none`], which nothing can cancel.

@@ -31,7 +31,8 @@ const SECTION: usize = 1 << 19;
 /// Values that a thread copies at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
 
-/// Rounding of the solves, relative to the input and to the time s. Lines of 2 to 1500 places show up to two thirds of it.
+/// Rounding of the solves, relative to the input and to the time s. Lines of 2 to 1500 places err by at most two thirds of the
+/// bound with it.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Time after which a line of n places is its mean, in n²: the slowest wave decays by exp(−4s/n²) or faster, here to

@@ -19,7 +19,7 @@ use write::write;
 pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError> {
     let job = resolve(args, global)?;
     if job.columns.is_some() || job.signal.n_channels >= MANY_CHANNELS {
-        // A group of channels needs the vectors of the one before.
+        // Each group of channels needs as much memory as the one before.
         global.tune_heap(HeapUse::ReuseVectors);
     }
     let result = match &job.columns {
