@@ -12,6 +12,27 @@ fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
     fs::write(folder.join(name), content).unwrap();
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_beyond_the_limit_of_the_address_space_is_refused_before_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    // 300 MB that take no space.
+    fs::File::create(folder.path().join("big.ply")).unwrap().set_len(300 << 20).unwrap();
+    let limited = |limit: &str| {
+        let program = adwave(folder.path()).get_program().to_owned();
+        let line = format!("ulimit -v {limit}; exec \"$0\" --threads 1 info big.ply");
+        let run =
+            std::process::Command::new("sh").arg("-c").arg(line).arg(program).current_dir(&folder).output();
+        let run = run.unwrap();
+        assert_eq!(run.status.code(), Some(2), "{limit}");
+        String::from_utf8(run.stderr).unwrap()
+    };
+    let told = limited("1000000");
+    assert!(told.contains("exceeds the limit of 268435456") && told.contains("--max-input"), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+    assert!(!limited("unlimited").contains("exceeds"), "the machine has memory for it");
+}
+
 #[test]
 fn what_is_wrong_with_a_file_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
