@@ -10,6 +10,7 @@ mod package;
 mod peers;
 mod publish;
 mod python;
+mod site;
 mod studio;
 
 use std::ffi::OsStr;
@@ -55,7 +56,11 @@ usage: cargo xtask COMMAND
             match terrains and, if ../shared/data exists, cuts and views of surfaces with a known motion or with none: rates
             of right and wrong claims and the calibration of confidences, as tables and as a curve; constants are chosen by
             the seeds `choose` and measured by the seeds `final`
-  docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
+  docs      build the site as target/docs/index.html: front page, guides, gallery, references of Python and Rust, and the
+            search; check links, titles, pictures, sizes, numbers of claims and answers of the search; warnings are errors
+  site-test
+            build the site and check it in Chromium, on a desk and on a phone, in light and dark colors: contrast, sizes of
+            what is tapped, moves while a page loads, search, menu
   command-check
             all cases of the systematic tests of the command, of which every test run takes a sample: each documented command,
             each option on each kind of input, odd numbers, equal inputs, names of results, closed and full streams, wording,
@@ -101,7 +106,8 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
-        ["docs"] => package::docs(),
+        ["docs"] => site::build(),
+        ["site-test"] => site::test(),
         ["bench-python", ref rest @ ..] => package::bench(rest),
         ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),
@@ -192,7 +198,7 @@ fn test() -> StepResult {
     let downloads = std::thread::spawn(|| -> StepResult {
         package::test_environment()?;
         python::environment("oracle")?;
-        studio::install_requirements()
+        studio::install_requirements().map(|_| ())
     });
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;

@@ -56,20 +56,6 @@ fn only_file(folder: &Path, extension: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Builds the site of the guides and the Python reference, `target/docs/index.html`; warnings are errors.
-pub(crate) fn docs() -> StepResult {
-    let python = python::environment_from(&package().join("docs-requirements.txt"), "docs")?;
-    let site = target().join("docs");
-    println!("> mkdocs build --strict");
-    run(Command::new(&python)
-        .current_dir(package().join("docs"))
-        .env("NO_MKDOCS_2_WARNING", "1")
-        .args(["-m", "mkdocs", "build", "--strict", "--clean", "--site-dir"])
-        .arg(&site))?;
-    println!("{}", site.join("index.html").display());
-    Ok(())
-}
-
 /// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and the build from the
 /// source distribution.
 pub(crate) fn check_release() -> StepResult {

@@ -10,7 +10,8 @@ const NODE: (u32, u32) = (20, 19);
 /// Paths of Chromium or Chrome on Debian and other systems.
 const BROWSERS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
-fn web() -> PathBuf {
+/// Folder of the page, in which its packages are installed.
+pub(crate) fn web() -> PathBuf {
     root().join("crates/adwave-studio/web")
 }
 
@@ -20,18 +21,19 @@ fn npm(words: &[&str]) -> StepResult {
     run(Command::new("npm").current_dir(web()).args(words).env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1"))
 }
 
-/// Installs what the tests of the page need if it is missing: Node, Chromium and the packages of the lock file.
-pub(crate) fn install_requirements() -> StepResult {
+/// Installs what the tests of the page need if it is missing: Node, Chromium and the packages of the lock file. Returns
+/// the path of the browser.
+pub(crate) fn install_requirements() -> Result<&'static str, String> {
     require_node()?;
-    require_browser()?;
+    let browser = require_browser()?;
     // `npm ci` would reject a lock file that lacks optional packages of other operating systems.
-    npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])
+    npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])?;
+    Ok(browser)
 }
 
 /// Runs all tests of the page.
 pub(crate) fn test() -> StepResult {
-    install_requirements()?;
-    let browser = require_browser()?;
+    let browser = install_requirements()?;
     npm(&["run", "--silent", "check"])?;
     npm(&["run", "--silent", "test"])?;
     check_bundle()?;
@@ -84,18 +86,25 @@ fn run_in_browser(browser: &str) -> StepResult {
         .env("STUDIO_OUT", &out))
 }
 
+/// Version of the installed Node, if there is one.
+fn node_version() -> Option<(u32, u32)> {
+    let out = Command::new("node").arg("--version").output().ok()?;
+    let text = String::from_utf8(out.stdout).ok()?;
+    let mut numbers = text.trim().trim_start_matches('v').split('.').map(|n| n.parse::<u32>().ok());
+    Some((numbers.next()??, numbers.next()??))
+}
+
+/// True if a Node is installed that is new enough.
+pub(crate) fn has_node() -> bool {
+    node_version().is_some_and(|version| version >= NODE)
+}
+
 /// Checks the version of Node; installs it if it is missing.
 fn require_node() -> StepResult {
-    let version = || {
-        let out = Command::new("node").arg("--version").output().ok()?;
-        let text = String::from_utf8(out.stdout).ok()?;
-        let mut numbers = text.trim().trim_start_matches('v').split('.').map(|n| n.parse::<u32>().ok());
-        Some((numbers.next()??, numbers.next()??))
-    };
-    if version().is_none() {
+    if node_version().is_none() {
         install(&["nodejs", "npm"]);
     }
-    match version() {
+    match node_version() {
         Some(version) if version >= NODE => Ok(()),
         Some((major, minor)) => Err(format!(
             "the studio's page needs Node {}.{} or later, got {major}.{minor}; update it",
