@@ -69,9 +69,9 @@ usage: cargo xtask COMMAND
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
   notices   write the notices and licenses of all that the program contains
   package-check
-            what the registries check before a release: `cargo publish` of all crates; metadata, licenses and manylinux tag
-            of the Python package, and that its source distribution builds without a network; skips with a reason what is
-            not installed
+            what the registries check before a release: `cargo publish` of all crates; metadata, licenses, symbols and
+            manylinux tag of the Python package, and that its source distribution builds without a network; the workflows
+            of releases and the recipe of conda; skips with a reason what is not installed
   style [FOLDER]
             print every violation of the countable rules of style, below a folder of the repository
 
@@ -220,6 +220,8 @@ fn test() -> StepResult {
         if !fuzzed.status.success() {
             return Err(format!("adwave-fuzz failed: {}", fuzzed.status));
         }
+        site::build()?;
+        // Only those crates that are not published are left.
         let words = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
         cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])
     });

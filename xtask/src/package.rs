@@ -60,7 +60,10 @@ fn only_file(folder: &Path, extension: &str) -> Result<PathBuf, String> {
 /// source distribution.
 pub(crate) fn check_release() -> StepResult {
     let python = python::environment_from(&package().join("release-requirements.txt"), "release")?;
+    check_workflows(&python)?;
     let wheel = wheel()?;
+    println!("> abi3audit --strict");
+    run(Command::new(&python).args(["-m", "abi3audit", "--strict"]).arg(&wheel))?;
     println!("> auditwheel show");
     run(Command::new(&python).args(["-m", "auditwheel", "show"]).arg(&wheel))?;
     if cfg!(target_os = "linux") && !wheel.to_string_lossy().contains("manylinux") {
@@ -73,6 +76,16 @@ pub(crate) fn check_release() -> StepResult {
     println!("> twine check --strict");
     run(Command::new(&python).args(["-m", "twine", "check", "--strict"]).args([&wheel, &sdist]))?;
     build_from_sdist(&python, &sdist)
+}
+
+/// Checks the workflows of releases and the recipe of conda, and the checks themselves.
+fn check_workflows(python: &Path) -> StepResult {
+    for words in [&["-m", "unittest", "--quiet", "test_scripts"][..], &["check_workflows.py"]] {
+        println!("> python {}", words.join(" "));
+        let folder = root().join(".github/scripts");
+        run(Command::new(python).current_dir(folder).env("PYTHONDONTWRITEBYTECODE", "1").args(words))?;
+    }
+    Ok(())
 }
 
 /// Builds a wheel from the source distribution alone, without network access, and imports it from a new environment.
