@@ -3,6 +3,7 @@
 mod clouds;
 mod denoise;
 mod grids;
+mod integrations;
 mod matching;
 mod meshings;
 mod notices;
@@ -56,6 +57,9 @@ usage: cargo xtask COMMAND
             match terrains and, if ../shared/data exists, cuts and views of surfaces with a known motion or with none: rates
             of right and wrong claims and the calibration of confidences, as tables and as a curve; constants are chosen by
             the seeds `choose` and measured by the seeds `final`
+  integrations
+            test the plug-in of napari in napari, which is installed below target/, and that of QGIS in the QGIS of the system,
+            if there is one
   docs      build the site as target/docs/index.html: front page, guides, gallery, references of Python and Rust, and the
             search; check links, titles, pictures, sizes, numbers of claims and answers of the search; warnings are errors
   site-test
@@ -106,6 +110,7 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
+        ["integrations"] => integrations::test(),
         ["docs"] => site::build(),
         ["site-test"] => site::test(),
         ["bench-python", ref rest @ ..] => package::bench(rest),

@@ -191,12 +191,18 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     ]))
 }
 
-/// Runs the tests and the examples of `adwave.torch` with PyTorch and PyTorch Geometric, which the other tests do without.
-pub(crate) fn test_torch() -> StepResult {
-    let python = python::environment_from(&package().join("torch-requirements.txt"), "torch")?;
+/// Builds the package with the extension of a debug build; returns the folder from which it can be imported.
+pub(crate) fn assembled() -> Result<PathBuf, String> {
     let place = target().join("package");
     cargo(&BUILD_WITH_TESTS, &[])?;
     assemble(&place)?;
+    Ok(place)
+}
+
+/// Runs the tests and the examples of `adwave.torch` with PyTorch and PyTorch Geometric, which the other tests do without.
+pub(crate) fn test_torch() -> StepResult {
+    let python = python::environment_from(&package().join("torch-requirements.txt"), "torch")?;
+    let place = assembled()?;
     let tests = package().join("tests");
     let starting_with = |folder: &Path, prefixes: &[&str]| -> Result<Vec<PathBuf>, String> {
         let entries =
