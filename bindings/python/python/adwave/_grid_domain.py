@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union, cast
+from typing import Any, Protocol, Union, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,9 +15,6 @@ from adwave._layout import Layout, without_unknown
 from adwave._options import LevelsLike, Operator, SignalLike
 from adwave._own_operator import GivenOperator
 from adwave._shape import Shape
-
-if TYPE_CHECKING:
-    import adwave
 
 Values = NDArray[np.float64]
 
@@ -32,14 +29,32 @@ class _GridOptions:
     kept: Union[NDArray[np.bool_], None]
 
 
+class GridSource(Protocol):
+    """What a `GridDecomposer` uses of its grid."""
+
+    spacing: tuple[float, ...]
+    periodic: tuple[bool, ...]
+    _kept: Union[NDArray[np.bool_], None]
+    _values: NDArray[Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def ndim(self) -> int: ...
+    @property
+    def n_vertices(self) -> int: ...
+    def layout_of(self, shape: tuple[int, ...], name: str = "signal") -> Layout: ...
+    def _with_array(self, name: str) -> GridSource: ...
+
+
 class GridDecomposer(Decomposer):
     """A `Decomposer` of a `Grid`: signals and results have the axes of the grid."""
 
     __slots__ = ("_grid",)
 
-    _grid: adwave.Grid[Any]
+    _grid: GridSource
 
-    def __init__(self, grid: adwave.Grid[Any]) -> None:
+    def __init__(self, grid: GridSource) -> None:
         none = np.empty(0, dtype=np.uint32)
         self._grid = grid
         shape = _native.ShapeData.from_graph(grid.n_vertices, none, none, None, True)
@@ -156,7 +171,7 @@ class GridDecomposer(Decomposer):
         return _restore_decomposer, (self._grid, self._mask, self._given_walk)
 
 
-def _restore_decomposer(grid: adwave.Grid[Any], mask: NDArray[np.bool_] | None, given: Any) -> Decomposer:
+def _restore_decomposer(grid: GridSource, mask: NDArray[np.bool_] | None, given: Any) -> Decomposer:
     prepared: Decomposer = GridDecomposer(grid)
     if given is not None:
         prepared = prepared._with_given(given)
