@@ -150,3 +150,22 @@ def test_lines_from_memory_run_or_lead_to_one_that_does(
         found = {line: outcome(line, i, lambda: dict(own)) for i, line in enumerate(lines)}
     failed = {line: why for line, why in found.items() if why not in ("runs", "leads")}
     assert len(lines) > 80 and len(failed) <= (1 - LEAST) * len(lines), failed
+
+
+@pytest.mark.parametrize(
+    ("line", "works"),
+    [
+        ("aw.impute(X, k=5, t=3)", "aw.impute(X, aw.point_walk(X, neighbors=5), steps=3)"),
+        ("aw.smooth((V, F), f, n_iter=10)", "aw.smooth((V, F), f, steps=10)"),
+        ("aw.smooth(V, F, f, fwhm=0.2)", "aw.smooth((V, F), f, fwhm=0.2)"),
+    ],
+)
+def test_the_line_has_the_names_of_the_caller_where_no_text_is_kept(line: str, works: str) -> None:
+    sphere = aw.sample("sphere", vertices=200)
+    V, F = np.array(sphere.points), np.array(sphere.faces, dtype=np.int64)
+    names: dict[str, Any] = {"aw": aw, "V": V, "F": F, "f": V[:, 2].copy(), "X": RANDOM.poisson(3, (60, 8))}
+    # A shell before Python 3.13: there is no file and no text of this name.
+    with pytest.raises(TypeError) as caught:
+        exec(compile(line, "<no text>", "exec"), names)
+    assert str(caught.value).rpartition("write ")[2] == works
+    exec(compile(works, "<no text>", "exec"), names)

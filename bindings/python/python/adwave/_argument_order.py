@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,17 +12,22 @@ from adwave._caller import Call
 from adwave._misfit import (
     SURPLUS,
     elements,
-    is_number,
+    is_edge_index,
+    is_simple,
     is_square,
     looks_like_faces,
-    rename_keyword,
+    values_of,
     working_line,
-    wrap_grid,
 )
+from adwave._option_rules import is_number, rename_keyword, wrap_grid
 from adwave._other_names import NEIGHBOR_NAMES
 
 #: Largest number of corners of a face.
 MAX_CORNERS = 4
+#: Largest number of columns of an array that may be positions with values, such as x, y, z, red, green, blue.
+MOST_COLUMNS = 6
+#: Smallest number of rows of such an array for each column; an image of so few columns has fewer.
+ROWS_PER_COLUMN = 20
 
 
 def check_order(function: str, shape: Any, signal: Any, known: list[str]) -> None:
@@ -30,7 +35,10 @@ def check_order(function: str, shape: Any, signal: Any, known: list[str]) -> Non
     if function not in ("smooth", "decompose", "filter", "denoise", "saliency", "features"):
         return
     _refuse_triple(function, shape)
-    _refuse_edge_index(function, shape, known)
+    _refuse_parts_by_name(function, shape)
+    refuse_edge_index(function, shape, known)
+    _refuse_edge_index_second(function, shape, signal, known)
+    _refuse_table(function, shape, signal)
     _refuse_signal_first(function, shape, signal)
     is_array = isinstance(shape, np.ndarray)
     is_wide = is_array and shape.ndim == 2 and shape.shape[0] > 1 and shape.shape[1] > 3 and shape.shape[0] > 3
@@ -114,13 +122,11 @@ def _refuse_triple(function: str, shape: Any) -> None:
     raise TypeError(f"{function}: points and faces go in a pair, and values at the vertices come second{line}")
 
 
-def _refuse_edge_index(function: str, shape: Any, known: list[str]) -> None:
+def refuse_edge_index(function: str, shape: Any, known: list[str]) -> None:
     """Raise TypeError for the edges of a graph, 2 × E indices."""
-    if not hasattr(type(shape), "__array__") or _adapt.is_domain(shape):
+    if not is_edge_index(shape):
         return
     sizes = np.shape(shape)
-    if len(sizes) != 2 or sizes[0] != 2 or sizes[1] <= 3 or np.asarray(shape).dtype.kind not in "iu":
-        return
 
     def wrap(call: Call) -> None:
         if call.arguments and not call.is_method:
@@ -130,6 +136,65 @@ def _refuse_edge_index(function: str, shape: Any, known: list[str]) -> None:
 
     line = working_line(function, wrap, f"aw.{function}(aw.from_edge_index(edge_index), x)")
     raise TypeError(f"{function}: an array of 2 × {sizes[1]} indices is the edges of a graph{line}")
+
+
+def _refuse_edge_index_second(function: str, shape: Any, signal: Any, known: list[str]) -> None:
+    """Raise TypeError for features of nodes before the edges of their graph."""
+    if not hasattr(type(shape), "__array__") or _adapt.is_domain(shape) or not is_edge_index(signal):
+        return
+    sizes = np.shape(shape)
+    if not sizes or np.asarray(signal).max() >= sizes[0]:
+        return
+
+    def swap(call: Call) -> None:
+        if len(call.arguments) > 1 and not call.is_method:
+            call.arguments[:2] = [f"{call.package}from_edge_index({call.arguments[1]})", call.arguments[0]]
+        for name in [name for name in call.keywords if name not in known]:
+            rename_keyword(call, name, known)
+
+    line = working_line(function, swap, f"aw.{function}(aw.from_edge_index(edge_index), x)")
+    raise TypeError(f"{function}: the graph comes first, and the features of its nodes second{line}")
+
+
+def _refuse_table(function: str, shape: Any, signal: Any) -> None:
+    """Raise TypeError for an array whose rows are positions and values: x, y, z and one to three more."""
+    if not isinstance(shape, np.ndarray) or shape.ndim != 2 or signal is not None or shape.dtype.kind not in "fiu":
+        return
+    n, width = shape.shape
+    if not 3 < width <= MOST_COLUMNS or n < ROWS_PER_COLUMN * width:
+        return
+    values = "3" if width == 4 else "3:"
+
+    def split(call: Call) -> None:
+        if call.arguments and not call.is_method:
+            text = call.arguments[0] if is_simple(call.arguments[0]) else f"({call.arguments[0]})"
+            call.arguments[:1] = [f"{text}[:, :3]", f"{text}[:, {values}]"]
+
+    line = working_line(function, split, f"aw.{function}(points[:, :3], points[:, {values}])")
+    raise TypeError(
+        f"{function}: are the {width} columns x, y, z and values? Points have 3, and values come second; an image is "
+        f"aw.grid(array), samples of {width} features are aw.point_walk(X){line}"
+    )
+
+
+def _refuse_parts_by_name(function: str, shape: Any) -> None:
+    """Raise TypeError for several shapes in a dictionary, such as both hemispheres."""
+    if not isinstance(shape, Mapping) or len(shape) < 2:
+        return
+    if not all(_adapt.is_domain(part) or _is_pair(part) for part in shape.values()):
+        return
+
+    def join(call: Call) -> None:
+        if call.arguments and not call.is_method:
+            parts = values_of(call.arguments[0])
+            call.arguments[0] = f"({', '.join(parts)})" if parts else f"tuple({call.arguments[0]}.values())"
+
+    line = working_line(function, join, f"aw.{function}((left, right), f)")
+    raise TypeError(f"{function}: several shapes go in a tuple, and their values one after the other{line}")
+
+
+def _is_pair(part: Any) -> bool:
+    return isinstance(part, (tuple, list)) and len(part) == 2 and _adapt.depth(part[0]) == 2
 
 
 def ask_about_faces(function: str, shape: object, second: object, known: Sequence[str] = ()) -> None:
@@ -146,7 +211,7 @@ def ask_about_faces(function: str, shape: object, second: object, known: Sequenc
     """
     if isinstance(second, str) or not isinstance(shape, (np.ndarray, list)):
         return
-    if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or not looks_like_faces(shape, second):
+    if _adapt.depth(shape) != 2 or _adapt.depth(second) not in (1, 2) or not looks_like_faces(shape, second):
         return
     rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": '"smooth"'}.get(function, "f")
 

@@ -67,15 +67,35 @@ class Call:
 def user_frame() -> FrameType | None:
     """The frame that called this package."""
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None and frame.f_code.co_filename.startswith(_FOLDER):
+    while frame is not None and _is_own(frame):
         frame = frame.f_back
     return frame
+
+
+def _is_own(frame: FrameType) -> bool:
+    """True for code of this package, also for the constructors that `dataclass` writes, which have no file."""
+    path = frame.f_code.co_filename
+    return path.startswith(_FOLDER) or (
+        path == "<string>" and str(frame.f_globals.get("__name__")).startswith("adwave.")
+    )
+
+
+def name_of(value: object) -> str | None:
+    """Name of an object in the caller's text, where the text itself is not kept, as in shells before Python 3.13."""
+    frame = user_frame()
+    if frame is None:
+        return None
+    for names in (frame.f_locals, frame.f_globals):
+        found = next((name for name, each in names.items() if each is value and not name.startswith("_")), None)
+        if found is not None:
+            return found
+    return None
 
 
 def warn(message: str, category: type[Warning] = UserWarning) -> None:
     """Warn at the line that called this package."""
     level, frame = 1, sys._getframe(0)
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(_FOLDER):
+    while frame.f_back is not None and _is_own(frame):
         frame = frame.f_back
         level += 1
     warnings.warn(message, category, stacklevel=level)

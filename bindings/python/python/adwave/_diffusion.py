@@ -14,7 +14,8 @@ from adwave._caller import Call, public, warn
 from adwave._grid_objects import is_image
 from adwave._layout import Layout, coordinates, float_type, region_weights, signal_values, without_unknown
 from adwave._methods import Carrier
-from adwave._misfit import line_with, working_line, wrap_grid
+from adwave._misfit import line_with, working_line
+from adwave._option_rules import wrap_grid
 from adwave._options import (
     BandsRequest,
     Length,

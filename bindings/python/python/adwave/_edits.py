@@ -24,7 +24,8 @@ from adwave._decomposer import (
 )
 from adwave._diffusion import smoothing_levels
 from adwave._layout import Layout, float_type
-from adwave._misfit import is_number, misfit, working_line
+from adwave._misfit import misfit, working_line
+from adwave._option_rules import is_number
 from adwave._options import (
     BandsRequest,
     Constraints,

@@ -9,16 +9,22 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable, Collection, Mapping, Sequence
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from adwave._caller import Call, written_call
-from adwave._other_names import FORMER, OPTIONS_OF, PRESETS, SHAPE_WORDS
-
-_UNKNOWN = object()
+from adwave._adapt_objects import library_of
+from adwave._caller import Call, name_of, written_call
+from adwave._option_rules import (
+    FUNCTIONS_OF_SHAPES,
+    is_number,
+    literal,
+    rename_option,
+    wrap_grid,
+)
+from adwave._other_names import FORMER, PRESETS, SHAPE_WORDS
 
 
 def is_image_like(value: object) -> bool:
@@ -27,28 +33,41 @@ def is_image_like(value: object) -> bool:
     return isinstance(shape, tuple) and (len(shape) == 3 or (len(shape) == 2 and shape[1] > 3 and shape[0] > 1))
 
 
+def is_edge_index(value: object) -> bool:
+    """True for the edges of a graph as 2 × E indices of nodes, as in PyTorch Geometric."""
+    if not hasattr(type(value), "__array__") or library_of(value) is not None:
+        return False
+    sizes = np.shape(value)  # type: ignore[arg-type]
+    return len(sizes) == 2 and sizes[0] == 2 and sizes[1] > 3 and np.asarray(value).dtype.kind in "iu"
+
+
 def is_square(value: object) -> bool:
     """True if an array has the axes of a matrix of a graph."""
     shape = getattr(value, "shape", ())
     return isinstance(shape, tuple) and len(shape) == 2 and shape[0] == shape[1]
 
 
-def is_number(value: object) -> bool:
-    """True for a single number that is no flag."""
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-
-
 def looks_like_faces(points: object, faces: object) -> bool:
     """True if two arrays are the vertices and the triangles or quadrilaterals of a mesh."""
     first, second = np.shape(points), np.shape(faces)  # type: ignore[arg-type]
-    if len(first) != 2 or len(second) != 2 or first[1] not in (2, 3) or second[1] not in (3, 4):
+    if len(first) != 2 or first[1] not in (2, 3) or second == first[:1]:
         return False
-    corners = np.asarray(faces)
+    corners = _without_counts(np.asarray(faces)) if len(second) == 1 else np.asarray(faces)
+    if corners.ndim != 2 or corners.shape[1] not in (3, 4):
+        return False
     # Bytes are colors, and corners of a face differ.
     if corners.dtype.kind not in "iu" or corners.dtype.itemsize == 1 or not corners.size:
         return False
     few = np.sort(corners[:100], axis=1)
     return bool(not (few[:, 1:] == few[:, :-1]).any() and corners.min() >= 0 and corners.max() < first[0])
+
+
+def _without_counts(faces: NDArray[Any]) -> NDArray[Any]:
+    """Corners of faces of one size, each after its number of corners, as VTK lists them; other arrays as they are."""
+    width = int(faces[0]) + 1 if faces.size and faces.dtype.kind in "iu" else 0
+    if width not in (4, 5) or faces.size % width or (faces[::width] != width - 1).any():
+        return faces
+    return faces.reshape(-1, width)[:, 1:]
 
 
 def working_line(function: str, change: Callable[[Call], None], otherwise: str = "") -> str:
@@ -69,6 +88,14 @@ def working_line(function: str, change: Callable[[Call], None], otherwise: str =
     change(call)
     complete(call, None)
     return f"; write {call}"
+
+
+def line_of_levels(change: Callable[[Call], None]) -> str:
+    """The user's call of whichever function takes levels after a change, as ``"; write …"``; nothing without its text."""
+    for function in ("decompose", "smooth", "filter", "saliency", "features", "Decomposer", "Widths"):
+        if written_call(function) is not None:
+            return working_line(function, change)
+    return ""
 
 
 def line_with(function: str, **keywords: str) -> str:
@@ -128,7 +155,7 @@ def misfit(function: Callable[..., Any], arguments: Sequence[Any], options: Mapp
     if call is not None and call.is_method and places[:1] == ["shape"] and len(call.arguments) == len(values) - 1:
         values, places = values[1:], places[1:]
     if call is None or len(call.arguments) != len(values) or set(call.keywords) != set(options):
-        call = _stand_in(name, owner, values, options)
+        call = _stand_in(name, owner, values, options, places[0] if places else "shape")
     known = [*places, *names]
     reasons = repair(call, known, places, values, dict(options))
     listed = f"{name} takes {', '.join(known)}"
@@ -140,17 +167,33 @@ def misfit(function: Callable[..., Any], arguments: Sequence[Any], options: Mapp
     return f"{start}; {'; '.join([*reasons, listed])}; write {call}"
 
 
-def _stand_in(name: str, owner: str, values: Sequence[Any], options: Mapping[str, Any]) -> Call:
-    """A call with the usual names for values whose text is not at hand."""
+def _stand_in(name: str, owner: str, values: Sequence[Any], options: Mapping[str, Any], first: str = "shape") -> Call:
+    """A call with the caller's names, or the usual ones, for values whose text is not at hand.
+
+    Parameters
+    ----------
+    name, owner : str
+        The function, and the object of a method.
+    values, options : sequence, mapping
+        What it was called with.
+    first : str
+        Name of its first parameter.
+    """
 
     def text(value: Any, place: int) -> str:
         if isinstance(value, (str, bool, int, float, type(None))):
             return repr(value)
         if isinstance(value, (list, tuple)) and len(str(value)) <= 40:
             return repr(value)
+        if (known := name_of(value)) is not None:
+            return known
+        if isinstance(value, tuple) and 0 < len(value) <= 3:
+            parts = [name_of(part) for part in value]
+            if all(parts):
+                return f"({', '.join(str(part) for part in parts)}{',' * (len(parts) == 1)})"
         if not owner and place == 0:
             shape = getattr(value, "shape", ())
-            return "V" if len(shape) == 2 and shape[1] in (2, 3) else "shape"
+            return first if first != "shape" else "V" if len(shape) == 2 and shape[1] in (2, 3) else "shape"
         return "F" if place == 1 and looks_like_faces(values[0], value) else "f"
 
     shown = {key: text(value, -1) for key, value in options.items()}
@@ -158,7 +201,13 @@ def _stand_in(name: str, owner: str, values: Sequence[Any], options: Mapping[str
     return Call(f"{owner or 'aw'}.{name}", texts, shown, is_method=bool(owner))
 
 
-def refuse_unknown(function: str, options: Mapping[str, Any], known: Collection[str], wanted: Collection[str]) -> None:
+def refuse_unknown(
+    function: str,
+    options: Mapping[str, Any],
+    known: Collection[str],
+    wanted: Collection[str],
+    values: Sequence[Any] = (),
+) -> None:
     """Raise TypeError for the first option that is none of `wanted`, the optional ones of a function.
 
     Parameters
@@ -171,6 +220,8 @@ def refuse_unknown(function: str, options: Mapping[str, Any], known: Collection[
         Named options of the function.
     wanted : collection of str
         Further options that it takes.
+    values : sequence, optional
+        What it was called with by position, for the line where the text of the call is not kept.
 
     Raises
     ------
@@ -183,8 +234,9 @@ def refuse_unknown(function: str, options: Mapping[str, Any], known: Collection[
         return
     call = written_call(function)
     if call is None or not set(wrong) <= set(call.keywords):
-        shown = {name: text_of(value) for name, value in options.items()}
-        call = Call(f"aw.{function}", ["shape"], shown)
+        call = _stand_in(function, "", values, {})
+        call.arguments = call.arguments or ["shape"]
+        call.keywords = {name: text_of(value) for name, value in options.items()}
     reasons = repair(call, every, (), None, dict(options))
     listed = f"{function} takes {', '.join(every)}"
     raise TypeError(f"{function}() has no option {wrong[0]!r}; {'; '.join([*reasons, listed])}; write {call}")
@@ -226,6 +278,8 @@ def repair(
         call.arguments.append(f"{call.package}from_edge_index({text})" if first == "edge_index" else text)
         reasons.append(f"{call.arguments[0]} goes first")
     for name in unknown:
+        if name not in call.keywords:  # a rule for another one has taken it
+            continue
         text = call.keywords[name]
         value = options.get(name, literal(text))
         reasons += rename_option(call, name, text, value, known)
@@ -305,7 +359,7 @@ def complete(call: Call, values: Sequence[Any] | None, known: Collection[str] = 
     """Add what a function cannot do without."""
     name = call.name
     image = values[0] if values and not call.is_method else None
-    if image is not None and name in _OF_SHAPES and is_image_like(image) and isinstance(image, np.ndarray):
+    if image is not None and name in FUNCTIONS_OF_SHAPES and is_image_like(image) and isinstance(image, np.ndarray):
         wrap_grid(call)
     has_grid = "grid(" in (call.function if call.is_method else call.arguments[0] if call.arguments else "")
     has_width = {"fwhm", "rms", "steps", "sigma"} & call.keywords.keys() or (call.is_method and len(call.arguments) > 1)
@@ -327,11 +381,13 @@ def complete(call: Call, values: Sequence[Any] | None, known: Collection[str] = 
         and "(" not in call.arguments[0]
     ):
         call.keywords["normalize"] = "'row'"
+    if name == "scattering" and values and call.arguments:
+        if is_edge_index(values[0]):
+            call.arguments[0] = f"{call.package}from_edge_index({call.arguments[0]})"
+        elif len(call.arguments) == 1 and library_of(values[0]) == "torch_geometric":
+            call.arguments.append(f"{call.arguments[0]}.x")
     if name == "simplify" and not {"error", "vertices", "ratio"} & call.keywords.keys():
         call.keywords["ratio"] = "0.5"
-
-
-_OF_SHAPES = ("smooth", "decompose", "filter", "denoise", "saliency", "features", "region")
 
 
 def _is_gains(text: str) -> bool:
@@ -341,370 +397,28 @@ def _is_gains(text: str) -> bool:
     return "Layer(" in text or isinstance(value, (list, tuple))
 
 
-def wrap_grid(call: Call, **options: str) -> None:
-    """The first argument, or the object of a method, as a grid with these options."""
-    shown = "".join(f", {name}={text}" for name, text in options.items())
-    if call.is_method:
-        owner = call.prefix[:-1]
-        changed = f"{owner[:-1]}{shown})" if "grid(" in owner else owner
-        call.function = f"{changed}.{call.name}"
-        return
-    if not call.arguments:
-        return
-    text = call.arguments[0]
-    is_grid = "grid(" in text
-    call.arguments[0] = f"{text[:-1]}{shown})" if is_grid else f"{call.package}grid({text}{shown})"
-
-
-def rename_keyword(call: Call, name: str, known: Collection[str]) -> None:
-    """Replace an unknown keyword of a call by what it is called here."""
-    text = call.keywords[name]
-    rename_option(call, name, text, literal(text), known)
-
-
-def rename_option(call: Call, name: str, text: str, value: Any, known: Collection[str]) -> list[str]:
-    """Replace an unknown keyword; returns what it is called here."""
-    del call.keywords[name]
-    if name == "layer" and call.arguments:  # of an AnnData
-        text = f"{call.arguments[0]}.X" if value in ("X", None) else f"{call.arguments[0]}.layers[{text}]"
-    if name == "weights" and "gains" in known and isinstance(value, (list, tuple)):
-        return _as_gains(call, text)
-    for meaning in OPTIONS_OF.get(name, OPTIONS_OF.get(name.lower(), [])):
-        rule = _RULES.get(meaning)
-        found = rule(call, text, value, known) if rule is not None else None
-        if found is None and meaning in known and meaning not in call.keywords:
-            call.keywords[meaning] = text
-            found = f"that is {meaning}={text}"
-        if found is not None:
-            return [found]
-    close = get_close_matches(name, known, n=1)
-    if close and close[0] not in call.keywords:
-        call.keywords[close[0]] = text
-        return [f"did you mean {close[0]}={text}?"]
-    return [f"there is no counterpart of {name}"]
-
-
-def _as_gains(call: Call, text: str) -> list[str]:
-    call.arguments.append(text)
-    return [f"gains go by position, {text}"]
-
-
-def _levels(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "levels" in known:
-        call.keywords["levels"] = text
-        return f"that is levels={text}"
-    n = int(value) if is_number(value) else 3
-    if "steps" in known and call.name == "scattering":
-        call.keywords["steps"] = str([2**j for j in range(n)])
-        return f"the scales are steps={call.keywords['steps']}"
-    if "steps" in known and "steps" not in call.keywords:
-        call.keywords["steps"] = str(2 ** max(0, n - 1))
-        return f"level {n} has steps={call.keywords['steps']}"
-    return None
-
-
-def _steps(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    numbers = _numbers(value)
-    if call.name == "denoise":
-        return "denoising takes no number of steps: it estimates the noise"
-    if "levels" in known:
-        if numbers is not None and len(numbers) == 1 and isinstance(value, int) and call.name != "filter":
-            call.keywords["levels"] = f"aw.Steps([{text}])"
-        elif numbers is not None and min(numbers) > 0:
-            is_whole = all(n >= 1 and n == int(n) for n in numbers)
-            kind = "Steps(" if is_whole else "Widths(fwhm="
-            call.keywords["levels"] = f"{call.package}{kind}[{_joined(numbers)}])"
-        else:
-            call.keywords["levels"] = f"{call.package}Steps({text})"
-        each = "[…]" if numbers is None else f"[{_joined(numbers)}]"
-        return f"widths are levels=aw.Widths(fwhm={each}), numbers of steps levels=aw.Steps({each})"
-    if "steps" not in known:
-        return None
-    if is_number(value) and 0 < value < 1 / 64 and "rms" in known:
-        call.keywords["rms"] = f"{2 * value**0.5:.4g}"
-        return f"heat of the time {text} has the width rms={call.keywords['rms']}"
-    if numbers is None or len(numbers) == 1 or call.name == "scattering":
-        call.keywords["steps"] = text
-        return f"a number of steps of the diffusion is steps={text}"
-    return None
-
-
-def _sigma(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if call.name == "denoise" and "noise" in known:
-        call.keywords["noise"] = text
-        return f"the standard deviation of the noise is noise={text}"
-    if "sigma" in known:
-        call.keywords["sigma"] = text
-        return f"that is sigma={text}"
-    numbers = _numbers(value)
-    if numbers is None:
-        if "fwhm" in known or "levels" in known:
-            call.keywords["fwhm"] = f"2.3548 * {text}"
-            return "a width names its measure: σ along one axis is fwhm=2.3548·σ"
-        return None
-    widths = [2.3548 * each for each in numbers]
-    if "levels" in known:
-        call.keywords["levels"] = f"{call.package}Widths(fwhm=[{_joined(widths)}])"
-        return f"a width names its measure: σ along one axis is levels=aw.Widths(fwhm=[{_joined(widths)}]), that is 2.355·σ"
-    if "fwhm" in known:
-        call.keywords["fwhm"] = _joined(widths[:1])
-        return f"a width names its measure: σ along one axis is fwhm={_joined(widths[:1])}, that is 2.355·σ"
-    return None
-
-
-def _widths(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    numbers = _numbers(value)
-    if "levels" in known and "best" not in known and numbers is not None:
-        call.keywords["levels"] = f"{call.package}Widths(fwhm=[{_joined(numbers)}])"
-        return f"widths are levels=aw.Widths(fwhm=[{_joined(numbers)}])"
-    if "fwhm" in known:
-        call.keywords["fwhm"] = text
-        return f"a width names its measure, fwhm={text}"
-    return "there is no width to choose" if call.name in ("denoise", "region") else None
-
-
-def _scales(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "levels" in known and is_number(value):
-        return _levels(call, text, value, known)
-    return _steps(call, text, value, known)
-
-
-def _neighbors(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "neighbors" in known:
-        call.keywords["neighbors"] = text
-        return f"that is neighbors={text}"
-    if call.name == "denoise":
-        return "denoising chooses neighbors itself"
-    if call.name == "impute":
-        if len(call.arguments) == 1:
-            owner = call.arguments[0]
-            points = f'{owner}.obsm["X_pca"]' if "adata" in owner else owner
-            call.arguments.append(f"{call.package}point_walk({points}, neighbors={text})")
-        return "the walk is the second argument, aw.point_walk(coordinates, neighbors=…)"
-    if "operator" in known:
-        call.keywords["operator"] = f"{call.package}Operator(neighbors={text})"
-        return f"that is operator=aw.Operator(neighbors={text})"
-    return None
-
-
-def _operator(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if isinstance(value, bool):
-        return (
-            "the bands are of the lazy walk; aw.smooth(shape, f, steps=3, lazy=False) takes steps of the walk that always "
-            "moves, aw.Decomposer(shape).matrix(lazy=False) is its matrix, and exact=True is for heat on a surface"
-        )
-    if "operator" not in known:
-        return "there is nothing to choose here"
-    if value in ("walk", "surface"):
-        call.keywords["operator"] = text
-    elif isinstance(value, str) and any(part in value.lower() for part in ("cot", "heat", "beltrami", "fem", "gauss")):
-        call.keywords["operator"] = '"surface"'
-    return "that is operator='walk' or 'surface', or aw.Operator(…)"
-
-
-def _threads(call: Call, text: str, value: Any, known: Collection[str]) -> str:
-    return f"all cores are used; for fewer, with aw.threads({text}): …"
-
-
-def _color_map(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "scale" not in known:
-        return None
-    call.keywords["scale"] = f"{call.package}ColorScale(color_map={text})"
-    return f"that is scale=aw.ColorScale(color_map={text})"
-
-
-def _range(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "scale" not in known:
-        return None
-    if isinstance(value, (tuple, list)):
-        call.keywords["scale"] = f"{call.package}ColorScale(range={text})"
-    return "that is scale=aw.ColorScale(range=(least, greatest))"
-
-
-def _signal(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "signal" not in known:
-        return None
-    call.arguments.insert(0 if call.is_method else 1, text)
-    return "the signal is the second argument" if not call.is_method else "the signal is the first argument"
-
-
-def _genes(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "signal" not in known or not call.arguments:
-        return None
-    names = f"[{text}]" if isinstance(value, str) else text
-    return _signal(call, f"{call.arguments[0]}[:, {names}].X", value, known)
-
-
-def _edge_index(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if not call.arguments or call.is_method:
-        return None
-    signal, call.arguments[0] = call.arguments[0], f"{call.package}from_edge_index({text})"
-    call.arguments.insert(1, signal)
-    return "a graph by its edges is aw.from_edge_index(edge_index)"
-
-
-def _where(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "where" in known:
-        call.keywords["where"] = text
-        return f"that is where={text}"
-    if call.name == "smooth":
-        call.function = f"{call.prefix}filter"
-        for name in ("steps", "fwhm", "sigma", "rms"):
-            call.keywords.pop(name, None)
-        call.arguments.append('"smooth"')
-        call.keywords["where"] = text
-        return "only a filter is confined to a region; mask= leaves vertices out"
-    if "mask" in known and not isinstance(value, (str, list)) and np.asarray(value).dtype.kind not in "iu":
-        call.keywords["mask"] = text
-        return f"the vertices that take part are mask={text}"
-    return None
-
-
-def _mask(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "mask" in known:
-        call.keywords["mask"] = text
-        return f"the places that take part are mask={text}"
-    wrap_grid(call, mask=text)
-    return f"the mask belongs to the grid, aw.grid(array, mask={text})"
-
-
-def _weights(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if isinstance(value, str):
-        return _operator(call, text, value, known) if "operator" in known else "the weights of the edges are used"
-    if "where" in known:
-        call.keywords["where"] = text
-        return (
-            "weights of an edit are where=…, those of a graph aw.graph(n, edges, weights), vertices to leave out mask=…"
-        )
-    return "weights of the edges are aw.graph(n, edges, weights), the vertices that take part mask=…"
-
-
-def _gains(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    return _as_gains(call, text)[0] if "gains" in known else None
-
-
-def _spacing(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "spacing" in known:
-        call.keywords["spacing"] = text
-        return f"that is spacing={text}"
-    if call.name not in _OF_SHAPES:
-        return None
-    wrap_grid(call, spacing=text)
-    return "the distance of places belongs to the grid, aw.grid(array, spacing=…)"
-
-
-def _affine(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    return _spacing(call, f"np.linalg.norm(({text})[:3, :3], axis=0)", value, known)
-
-
-def _periodic(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "periodic" in known or call.name in _OF_SHAPES:
-        if value not in ("wrap", "periodic", "grid-wrap", "circular", True):
-            return "borders reflect"
-        if "periodic" in known:
-            call.keywords["periodic"] = "True"
-        else:
-            wrap_grid(call, periodic="True")
-        return "axes that repeat are aw.grid(array, periodic=True)"
-    return None
-
-
-def _axes(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "axes" in known:
-        call.keywords["axes"] = text
-        return f"the axes of the grid are axes={text}"
-    if call.name not in _OF_SHAPES:
-        return None
-    wrap_grid(call, axes=text)
-    return "the axes that are smoothed along belong to the grid, aw.grid(array, axes=…)"
-
-
-def _points(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if call.name == "Shape" and not call.arguments:
-        call.arguments.insert(0, text)
-        return "the points come first"
-    return None
-
-
-def _vertices(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "vertices" not in known or call.name not in ("sample", "simplify"):
-        return None
-    call.keywords["vertices"] = text
-    return f"that is vertices={text}"
-
-
-def _faces_wanted(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "vertices" not in known:
-        return None
-    n = max(4, int(value) // 2 + 2) if is_number(value) else 0
-    call.keywords["vertices"] = str(n) if n else f"{text} // 2"
-    return "a closed mesh has half as many vertices as faces"
-
-
-def _reduction(call: Call, text: str, value: Any, known: Collection[str]) -> str | None:
-    if "ratio" not in known:
-        return None
-    call.keywords["ratio"] = f"{1 - value:.6g}" if is_number(value) else f"1 - {text}"
-    return "the share that remains is ratio=0.1"
-
-
-_RULES: dict[str, Callable[[Call, str, Any, Collection[str]], str | None]] = {
-    "levels": _levels,
-    "widths": _widths,
-    "sigma": _sigma,
-    "steps": _steps,
-    "neighbors": _neighbors,
-    "operator": _operator,
-    "threads": _threads,
-    "color_map": _color_map,
-    "range": _range,
-    "signal": _signal,
-    "genes": _genes,
-    "edge_index": _edge_index,
-    "where": _where,
-    "mask": _mask,
-    "weights": _weights,
-    "gains": _gains,
-    "spacing": _spacing,
-    "affine": _affine,
-    "periodic": _periodic,
-    "axes": _axes,
-    "points": _points,
-    "vertices": _vertices,
-    "faces_wanted": _faces_wanted,
-    "reduction": _reduction,
-    "nothing": lambda call, text, value, known: "it has no counterpart here",
-}
-
-
 def elements(text: str) -> list[str] | None:
     """Texts of the elements of a tuple or a list; None for other texts."""
-    try:
-        node = ast.parse(text, mode="eval").body
-    except SyntaxError:
-        return None
+    node = _expression(text)
     return [ast.unparse(each) for each in node.elts] if isinstance(node, (ast.Tuple, ast.List)) else None
 
 
-def literal(text: str) -> Any:
-    """Value of a text that is a constant; otherwise an object that is none."""
+def values_of(text: str) -> list[str] | None:
+    """Texts of the values of a dictionary that is written out; None for other texts."""
+    node = _expression(text)
+    return [ast.unparse(each) for each in node.values] if isinstance(node, ast.Dict) else None
+
+
+def is_simple(text: str) -> bool:
+    """True for a text that an index may follow as it is."""
+    return isinstance(_expression(text), (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
+
+
+def _expression(text: str) -> ast.expr | None:
     try:
-        return ast.literal_eval(text)
-    except (ValueError, SyntaxError, TypeError):
-        return _UNKNOWN
-
-
-def _numbers(value: Any) -> list[float] | None:
-    """A few numbers, or None."""
-    if is_number(value):
-        return [float(value)]
-    if isinstance(value, (list, tuple, np.ndarray)) and 0 < len(value) <= 12 and all(is_number(v) for v in value):
-        return [float(v) for v in value]
-    return None
-
-
-def _joined(numbers: Sequence[float]) -> str:
-    return ", ".join(f"{number:.6g}" for number in numbers)
+        return ast.parse(text, mode="eval").body
+    except SyntaxError:
+        return None
 
 
 def text_of(value: Any) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from importlib import import_module
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, TypeVar, Union
 
@@ -12,7 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
+    from adwave._caller import Call
     from adwave._time import Time
+
+#: A length with a unit, such as "6mm" or "0.5 m".
+_UNIT = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*[A-Za-zµμ]+\s*")
 
 Length = Union[float, str]
 """A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``."""
@@ -232,11 +238,22 @@ def check_levels(levels: Any) -> LevelsLike:
     if numbers is not None:
         raise TypeError(
             "levels must be a number of levels, aw.Widths(...), aw.Steps(...) or aw.Octaves(...), got a list; for widths "
-            f"levels=aw.Widths(fwhm={numbers}), for steps levels=aw.Steps({numbers})"
+            f"levels=aw.Widths(fwhm={numbers}), for steps levels=aw.Steps({numbers}){_line_for_list(levels)}"
         )
     raise TypeError(
         f"levels must be a number of levels, aw.Widths(...), aw.Steps(...) or aw.Octaves(...), got {levels!r}"
     )
+
+
+def _line_for_list(levels: Any) -> str:
+    """The user's call with a number of levels for a range of their numbers, with numbers of steps for another list."""
+
+    def change(call: Call) -> None:
+        text = call.keywords.get("levels")
+        if text is not None:
+            call.keywords["levels"] = str(len(levels)) if isinstance(levels, range) else f"{call.package}Steps({text})"
+
+    return import_module("adwave._misfit").line_of_levels(change)
 
 
 def check_steps(steps: Any) -> list[float]:
@@ -415,4 +432,19 @@ class BandsRequest:
 
 def _lengths(widths: Any) -> list[Length]:
     each = [widths] if isinstance(widths, str) or np.ndim(widths) == 0 else widths
+    for width in each:
+        if isinstance(width, str) and (unit := _UNIT.fullmatch(width)):
+            raise ValueError(
+                f"{width!r}: lengths are numbers in the unit of the points{_line_without_unit(width, unit[1])}"
+            )
     return [width if isinstance(width, str) else float(width) for width in each]
+
+
+def _line_without_unit(width: str, number: str) -> str:
+    """The user's call with a number for a length with a unit."""
+
+    def change(call: Call) -> None:
+        for name, text in call.keywords.items():
+            call.keywords[name] = text.replace(f'"{width}"', number).replace(f"'{width}'", number)
+
+    return import_module("adwave._misfit").line_of_levels(change)

@@ -51,6 +51,7 @@ _OPTIONS = {
     "affine": "",
     "genes": "gene var_names gene_names gene_list",
     "edge_index": "",
+    "nodes": "num_nodes n_nodes number_of_nodes",
     "periodic": "mode boundary wrap padding pad_mode",
     "nothing": (
         "lamb lambda_ lam mu nu relaxation_factor inplace copy metric normalize return_info pass_band "
@@ -89,8 +90,7 @@ _FUNCTIONS = {
     ),
     "decompose": (
         "wavelets wavelet transform dwt wavedec swt bands split analyze analysis wavelet_transform multiscale "
-        "decomposition forward diffusion_wavelets wavelet_decompose decompose_signal pyramid starlet wavedec2 "
-        "waverec"
+        "decomposition forward diffusion_wavelets wavelet_decompose decompose_signal pyramid starlet wavedec2"
     ),
     "smooth": (
         "diffuse heat_kernel heat heat_diffusion blur lowpass gaussian gaussian_smooth smoothing diffusion "
@@ -132,7 +132,8 @@ _FUNCTIONS = {
     "threads": "set_num_threads set_threads num_threads n_threads",
     "show_versions": "versions version_info",
     "signal": "curvature mean_curvature normals estimate_normals compute_normals vertex_normals gaussian_curvature",
-    "baselines": "taubin filter_taubin smooth_taubin filter_smooth_taubin harmonics heat_kernel_signature eigenvectors",
+    "baselines": "taubin filter_taubin smooth_taubin filter_smooth_taubin harmonics heat_kernel_signature eigenvectors "
+    "diffmap diffusion_map diffusion_maps laplacian_eigenmaps spectral_embedding eigenmodes",
 }
 FUNCTION_OF = _reversed(_FUNCTIONS)
 #: Signals by names of functions that compute them elsewhere.
@@ -146,7 +147,8 @@ BASELINES = {
     "filter_taubin": "taubin",
     "smooth_taubin": "taubin",
     "filter_smooth_taubin": "taubin",
-    "eigenvectors": "harmonics",
+    **dict.fromkeys(("eigenvectors", "eigenmodes", "diffmap", "diffusion_map", "diffusion_maps"), "harmonics"),
+    **dict.fromkeys(("laplacian_eigenmaps", "spectral_embedding"), "harmonics"),
 }
 #: Options of baselines by the words that other libraries have for them.
 BASELINE_OPTIONS = {

@@ -285,7 +285,7 @@ def read_part(
     if options.get("faces") is None and signal is not None:
         ask_about_faces(function, shape, signal, [*known, *wanted])
     if options:
-        refuse_unknown(function, options, known, wanted)
+        refuse_unknown(function, options, known, wanted, [each for each in (shape, signal) if each is not None])
     shape = as_domain(shape)
     faces = options.get("faces")
     mask, only = options.get("mask"), options.get("only")

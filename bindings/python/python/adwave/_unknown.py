@@ -7,7 +7,8 @@ from difflib import get_close_matches
 from typing import Any
 
 from adwave._caller import Call, written_call
-from adwave._misfit import complete, known_options, literal, move_surplus, rename_option, wrap_grid
+from adwave._misfit import complete, known_options, move_surplus
+from adwave._option_rules import literal, rename_option, wrap_grid
 from adwave._other_names import AS_FUNCTION, BASELINE_OPTIONS, BASELINES, FUNCTION_OF, MEMBER_OF, SIGNALS
 
 
@@ -28,12 +29,17 @@ def unknown_attribute(name: str) -> str:
         ours = FUNCTION_OF.get(close[0], close[0]) if close else None
     call = written_call(name)
     if name in ("laplacian", "stiffness", "cotmatrix", "adjacency"):
-        shown = call.arguments[0] if call is not None and call.arguments else "shape"
+        given = call.arguments[:2] if call is not None and call.arguments else ["shape"]
+        shown = given[0] if len(given) == 1 else f"({', '.join(given)})"
         return f"{start}; the diffusion Φ₁ = I − L is a sparse matrix; write aw.Decomposer({shown}).matrix()"
     if name in ("write", "save", "export", "write_mesh", "save_mesh") and call is not None and len(call.arguments) > 1:
         path, shape = sorted(call.arguments[:2], key=lambda text: not _literal_is_text(text))
         return f"{start}; a shape writes itself; write {shape}.write({path})"
-    if name in ("reconstruct", "inverse", "synthesize", "idwt") and call is not None and call.arguments:
+    if (
+        name in ("reconstruct", "inverse", "synthesize", "idwt", "iswt", "waverec", "waverec2")
+        and call is not None
+        and call.arguments
+    ):
         return f"{start}; bands sum to their signal; write {call.arguments[0]}.reconstruct()"
     if ours is None:
         return f"{start}; help(aw) lists the functions"
@@ -125,6 +131,9 @@ def _renamed(call: Call, name: str, ours: str) -> Call:
         call.function = f"{package}baselines.{BASELINES.get(lower, lower)}"
         meant = {theirs: own for own, names in BASELINE_OPTIONS.items() for theirs in (own, *names)}
         kept = {meant[name]: text for name, text in call.keywords.items() if name in meant} if "taubin" in lower else {}
+        if call.function.endswith("harmonics"):
+            given = [text for text in (*call.arguments[1:], *call.keywords.values()) if text.isdigit()]
+            kept = {"k": (given or ["10"])[0]}
         call.arguments, call.keywords = call.arguments[:1], kept
         return call
     if "outlier" in lower:
@@ -140,10 +149,25 @@ def _renamed(call: Call, name: str, ours: str) -> Call:
             call.keywords.setdefault("fwhm" if "img" in lower else "sigma", call.arguments.pop(1))
         wrap_grid(call)
         call.function, call.is_method = f"{call.arguments.pop(0)}.{ours}", True
+    if ours == "simplify":
+        _fewer_by_number(call, lower)
     if ours == "sample" and not call.arguments:
         call.arguments = [repr(lower)]
     _fit(call, ours, [])
     return call
+
+
+def _fewer_by_number(call: Call, theirs: str) -> None:
+    """The second argument of a function that simplifies: a number of faces, a number of vertices, or a share that goes."""
+    value = literal(call.arguments[1]) if len(call.arguments) > 1 else None
+    if not isinstance(value, (int, float)):
+        return
+    text = call.arguments.pop(1)
+    if value > 1:
+        # A closed mesh has half as many vertices as faces.
+        call.keywords["vertices"] = str(int(value) // 2 + 2) if "quadric" in theirs else text
+    else:
+        call.keywords["ratio"] = f"{1 - value:.6g}"
 
 
 def _literal_is_text(text: str) -> bool:

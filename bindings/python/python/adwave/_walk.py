@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _native
 from adwave._adapt_objects import library_of
 from adwave._adapt_objects import read as read_object
+from adwave._argument_order import refuse_edge_index
 from adwave._caller import Call, public, written_call
 from adwave._layout import float_type, signal_values
 from adwave._methods import Carrier
@@ -568,6 +569,7 @@ def scattering(
     >>> found.values[1, :, 0]
     array([1., 1.])
     """
+    refuse_edge_index("scattering", walk, [])
     own = as_walk(walk)
     values, _ = signal_values(signal, own.n_vertices)
     with report_progress(progress, "scattering") as report:
