@@ -40,7 +40,7 @@ GUIDES = {
         "RUST",
         "FORMATS",
     ),
-    "How fast, how right": ("PERFORMANCE", "CLAIMS", "EVALUATION", "MESHINGS", "PAPER", "THEORY"),
+    "How fast, how right": ("BENCHMARKS", "PERFORMANCE", "CLAIMS", "EVALUATION", "MESHINGS", "PAPER", "THEORY"),
 }
 #: Title of the reference page of each private module.
 REFERENCE = {
@@ -95,6 +95,14 @@ MADE = ("gallery.md", "rust.md")
 RUSTDOC = "ADWAVE_RUSTDOC"
 
 LINK = re.compile(r"(\]\(|src=\"|href=\")([^)\"\s]+)")
+#: Links that are relative to a page of another crate's site: names without a folder and an ending.
+FOREIGN = re.compile(r'<a href="[a-z_]+#[^"]*">(.*?)</a>', re.DOTALL)
+#: Page to which the search and the settings of rustdoc lead back.
+RUST_INDEX = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Rust reference</title>
+<meta http-equiv="refresh" content="0; url=../rust.html"></head>
+<body><h1>Rust reference</h1><p><a href="../rust.html">All crates</a></p></body></html>
+"""
 IMAGE = re.compile(r"<img\b[^>]*>")
 
 search = Index()
@@ -176,7 +184,7 @@ def on_config(config: Any) -> Any:
             "Python": [
                 "python/package.md",
                 "python/README.md",
-                *(path.as_posix() for path in gallery_pages),
+                *({"Notebooks": path.as_posix()} for path in gallery_pages),
                 *({title: f"reference/{name}.md"} for name, title in titles),
             ]
         },
@@ -255,12 +263,23 @@ def on_page_content(html: str, *, page: Any, config: Any, files: Files) -> str:
     return html
 
 
+def cut_foreign_links(folder: Path) -> None:
+    """Turn links of the documentation of dependencies, which rustdoc repeats below our types, into plain text."""
+    for path in folder.glob("adwave*/**/*.html"):
+        text = path.read_text(encoding="utf-8")
+        cut = FOREIGN.sub(r"\1", text)
+        if cut != text:
+            path.write_text(cut, encoding="utf-8")
+
+
 def on_post_build(*, config: Any) -> None:
     """Write the index of the search, and copy the Rust reference."""
     site = Path(config["site_dir"])
     rustdoc = os.environ.get(RUSTDOC)
     if rustdoc:
-        shutil.copytree(rustdoc, site / "rust")
+        shutil.copytree(rustdoc, site / "rust", ignore=shutil.ignore_patterns(".lock"))
+        cut_foreign_links(site / "rust")
+        (site / "rust/index.html").write_text(RUST_INDEX, encoding="utf-8")
         n_items = search.add_rust(site / "rust", "rust")
         if n_items == 0:
             log.warning(f"{rustdoc} has no items of the Rust reference")

@@ -1,5 +1,6 @@
 //! Parts of `cargo xtask` that its tests use as well.
 
+pub mod claims;
 pub mod outputs;
 pub mod style;
 

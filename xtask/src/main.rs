@@ -49,6 +49,9 @@ usage: cargo xtask COMMAND
             denoise random meshes, clouds and curves whose truth is known: tables by noise and by shape for one half of the seeds,
             the noise found over the true noise as a curve, and the published pairs of ../shared/data (or $ADWAVE_DATA), if it
             exists
+  bench-claims [--measure]
+            write docs/BENCHMARKS.md and the tables in docs/benchmarks from the measurements in the other pages; --measure first
+            measures anew what they rest on, beside the other programs, in about an hour
   bench-grids [--models DIR] [--only PART]
             time heat and bands of images and volumes beside SciPy and write the section of docs/PERFORMANCE.md on them
   bench-meshings [--models DIR] [--only PART]
@@ -122,6 +125,8 @@ fn main() -> ExitCode {
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["bench-denoise", ref rest @ ..] => denoise::bench_truth(rest),
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
+        ["bench-claims"] => xtask::claims::write(&root()),
+        ["bench-claims", "--measure"] => measure_claims(),
         ["bench-grids", ref rest @ ..] => grids::bench_grids(rest),
         ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
@@ -169,6 +174,15 @@ fn same_outputs(arguments: &[&str]) -> StepResult {
 fn command_check() -> StepResult {
     let test = ["test", "--locked", "--quiet", "-p", "adwave-cli", "--test", "promises"];
     cargo(&test, &[("ADWAVE_COMMAND_CHECK", "full")])
+}
+
+/// Measures what the page of benchmarks rests on, and writes it.
+fn measure_claims() -> StepResult {
+    peers::bench_peers(&[])?;
+    denoise::bench_denoise(&["--only", denoise::PART])?;
+    grids::bench_grids(&[])?;
+    clouds::bench_clouds(&[])?;
+    xtask::claims::write(&root())
 }
 
 fn studio_test() -> StepResult {

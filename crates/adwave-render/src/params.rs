@@ -63,7 +63,7 @@ impl Default for Framing {
 #[non_exhaustive]
 pub enum Frame {
     /// All vertices but placeholders and a few that are so far away that the rest would fill less than half of the
-    /// picture ([`adwave::shape::picture_frame`]).
+    /// picture.
     #[default]
     Main,
     /// All vertices.

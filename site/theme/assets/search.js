@@ -52,7 +52,8 @@
       // A heading of one word is a name, and says more than a sentence that has the word.
       const head = new Set(terms(heading));
       for (const term of head) count(term, section, HEADING * (1 + 2 / head.size));
-      for (const term of new Set(terms(index.pages[page][1]))) count(term, section, TITLE);
+      const title = index.pages[page][1].replace(/^(?:Rust|Python): /, "");
+      for (const term of new Set(terms(title))) count(term, section, TITLE);
     });
     return { index, postings };
   }
