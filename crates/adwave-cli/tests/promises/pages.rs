@@ -5,7 +5,7 @@ use crate::harness::{Faults, run_line};
 use tempfile::TempDir;
 
 /// Pages whose commands write all files that they use. TOOLS.md has no command of adwave.
-pub(crate) const PAGES: [&str; 13] = [
+pub(crate) const PAGES: [&str; 14] = [
     "README.md",
     "docs/TUTORIAL.md",
     "docs/TASKS.md",
@@ -19,6 +19,7 @@ pub(crate) const PAGES: [&str; 13] = [
     "docs/EVALUATION.md",
     "docs/STUDIO.md",
     "docs/PERFORMANCE.md",
+    "site/front.md",
 ];
 
 /// Runs the commands of some pages, each page in a folder of its own.
