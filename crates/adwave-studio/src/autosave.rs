@@ -2,14 +2,13 @@
 
 use crate::document::Document;
 use crate::response::ApiError;
-use crate::session::StudioInput;
 use adwave::LevelSpec;
 use adwave_io::{Recipe, atomic_write, parse_recipe, recipe_to_text};
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// File that stores the edit of one shape, named after a hash of its path and positions.
+/// File that stores the edit of one shape or grid, named after a hash of its path and its positions or values.
 #[derive(Clone, Debug)]
 pub(crate) struct Autosave {
     path: PathBuf,
@@ -23,13 +22,14 @@ struct AutosaveContent {
 }
 
 impl Autosave {
-    /// Derives the file of a shape in `folder`; `None` without a folder or if the shape comes from no file.
-    pub(crate) fn new(input: &StudioInput, folder: Option<&Path>) -> Option<Self> {
-        let path = input.path.as_ref()?.canonicalize().ok()?;
+    /// Derives the file for the edit of what was read from `path`, in `folder`; `None` without a folder or a path.
+    /// `numbers` are the positions or values, which tell one content of the file from another.
+    pub(crate) fn new(path: Option<&Path>, numbers: &[f64], folder: Option<&Path>) -> Option<Self> {
+        let path = path?.canonicalize().ok()?;
         let mut hasher = DefaultHasher::new();
         path.hash(&mut hasher);
-        for c in input.shape.points()?.as_flattened() {
-            c.to_bits().hash(&mut hasher);
+        for x in numbers {
+            x.to_bits().hash(&mut hasher);
         }
         Some(Self { path: folder?.join(format!("{:016x}.json", hasher.finish())) })
     }

@@ -92,7 +92,7 @@ pub(crate) fn compare(
             })?
         }
         Method::Harmonics => {
-            let laplacian = LaplacianMatrices::new(&session.input.shape, &LaplacianParams::default());
+            let laplacian = LaplacianMatrices::new(&session.shape, &LaplacianParams::default());
             let laplacian = laplacian.map_err(|e| ApiError::from_classified(&e))?;
             let harmonics =
                 Harmonics::new(&laplacian, N_HARMONICS, &EigenParams::default(), session.progress());

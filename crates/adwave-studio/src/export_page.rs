@@ -38,7 +38,7 @@ pub(crate) fn export_page(session: &Session) -> ApiResult {
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(&content).map_err(|e| ApiError::bad_request(e.to_string()))?;
     let packed = STANDARD.encode(packed.finish().map_err(|e| ApiError::bad_request(e.to_string()))?);
-    let name = escape_html(&session.input.name);
+    let name = escape_html(&session.workspace.name);
     let html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
@@ -59,7 +59,7 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
     if n <= MAX_VERTICES {
         return Ok(ExportedShape { vertices: (0..n as u32).collect(), triangles: session.triangles.clone() });
     }
-    let Some(mesh) = session.input.shape.as_mesh() else {
+    let Some(mesh) = session.shape.as_mesh() else {
         let step = n.div_ceil(MAX_VERTICES);
         return Ok(ExportedShape { vertices: (0..n as u32).step_by(step).collect(), triangles: Vec::new() });
     };
@@ -74,11 +74,11 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
 /// `u32 × 3 × m`, bands `i16 × 3 × n` from fine to coarse, and masks of the layers `u8 × n`. Each array begins at a
 /// multiple of 4 bytes.
 fn encode_content(session: &Session, prepared: &PreparedShape, exported: &ExportedShape) -> Vec<u8> {
-    let (points, map) = (session.points(), prepared.decomposer.vertex_map());
-    let n_levels = prepared.n_levels();
+    let (points, map) = (session.points(), prepared.bands.decomposer.vertex_map());
+    let n_levels = prepared.bands.n_levels();
     let bands: Vec<(f32, Vec<u8>)> = (1..=n_levels).map(|level| prepared.encode_band(level)).collect();
     let mut masks = Vec::new();
-    let active = prepared.document.layers.iter().filter(|layer| layer.on);
+    let active = prepared.bands.document.layers.iter().filter(|layer| layer.on);
     let layers: Vec<_> = active
         .zip(prepared.layer_weights())
         .map(|(layer, weights)| {
@@ -97,16 +97,16 @@ fn encode_content(session: &Session, prepared: &PreparedShape, exported: &Export
         })
         .collect();
     let head = json!({
-        "name": session.input.name,
+        "name": session.workspace.name,
         "n_vertices": exported.vertices.len(),
         "n_triangles": exported.triangles.len(),
         "n_vertices_before": points.len(),
-        "levels": prepared.level_infos(),
+        "levels": prepared.bands.level_infos(),
         "scales": bands.iter().map(|band| band.0).collect::<Vec<_>>(),
         "layers": layers,
         "n_masks": masks.len(),
-        "rules": prepared.document.has_constraints(session.triangles.is_empty())
-            || !prepared.document.reshaped_by().is_neutral(),
+        "rules": prepared.bands.document.has_constraints(session.triangles.is_empty())
+            || !prepared.bands.document.reshaped_by().is_neutral(),
     });
     let head = head.to_string();
     let mut out = (head.len() as u32).to_le_bytes().to_vec();

@@ -108,14 +108,14 @@ impl FieldBands {
 impl PreparedShape {
     /// Stores the bands of a field if they are for the current levels.
     pub(crate) fn set_field_bands(&mut self, bands: FieldBands) {
-        if bands.levels == self.levels {
+        if bands.levels == self.bands.levels {
             self.field_bands = Some(bands);
         }
     }
 
     /// True if the bands of the field `name` for the current levels are stored.
     pub(crate) fn has_field_bands(&self, name: &str) -> bool {
-        self.field_bands.as_ref().is_some_and(|bands| bands.is_for(name, &self.levels))
+        self.field_bands.as_ref().is_some_and(|bands| bands.is_for(name, &self.bands.levels))
     }
 
     /// Computes a field after its layers, with the number type that it has in the file.
@@ -125,11 +125,11 @@ impl PreparedShape {
         file: &ShapeFile,
         progress: Progress<'_>,
     ) -> Result<Field, ApiError> {
-        let layers = self.document.active_field_layers(name);
-        let stored = self.field_bands.take().filter(|bands| bands.is_for(name, &self.levels));
+        let layers = self.bands.document.active_field_layers(name);
+        let stored = self.field_bands.take().filter(|bands| bands.is_for(name, &self.bands.levels));
         let mut bands = match stored {
             Some(bands) => bands,
-            None => FieldBands::new(name, file, &self.decomposer, &self.levels, progress)?,
+            None => FieldBands::new(name, file, &self.bands.decomposer, &self.bands.levels, progress)?,
         };
         let edited = bands.edit(&layers, file);
         self.field_bands = Some(bands);
@@ -143,7 +143,7 @@ impl PreparedShape {
         progress: Progress<'_>,
     ) -> Result<(), ApiError> {
         let original = file.clone();
-        for name in self.document.changed_fields() {
+        for name in self.bands.document.changed_fields() {
             // A field whose file is not there any more stays in the edit.
             if original.field(&name).is_some() {
                 let field = self.edited_field(&name, &original, progress)?;
@@ -164,7 +164,7 @@ pub(crate) fn compute_bands(
     if prepared.has_field_bands(name) {
         return Ok(None);
     }
-    let (decomposer, levels) = (prepared.decomposer.clone(), prepared.levels.clone());
+    let (decomposer, levels) = (prepared.bands.decomposer.clone(), prepared.bands.levels.clone());
     drop(prepared);
     FieldBands::new(name, &session.file(), &decomposer, &levels, progress).map(Some)
 }
@@ -176,7 +176,7 @@ pub(crate) fn bands_response(session: &Session, name: &str, computed: Option<Fie
         prepared.set_field_bands(bands);
     }
     match &prepared.field_bands {
-        Some(bands) if bands.is_for(name, &prepared.levels) => Ok(bytes_response(bands.encode())),
+        Some(bands) if bands.is_for(name, &prepared.bands.levels) => Ok(bytes_response(bands.encode())),
         _ => Err(ApiError::new(
             axum::http::StatusCode::SERVICE_UNAVAILABLE,
             "the levels were replaced while the bands of the field were computed; ask again",

@@ -95,7 +95,7 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
         let info = FieldInfo::new(kind.name(), &label, kind.unit().unwrap_or(""), EditedShape);
         fields.push(FieldInfo { diverging: true, ..info });
     }
-    if session.input.shape.is_cloud() {
+    if session.shape.is_cloud() {
         let unit = SurfaceSignal::Density.unit().unwrap_or("");
         fields.push(FieldInfo::new("density", "Density", unit, EditedShape));
     }
@@ -232,7 +232,7 @@ fn sentence_case(name: &str) -> String {
 /// Responds with the values of a field, `f32 × n`, and its description in the header `X-Field`.
 pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
     let prepared = session.lock_prepared()?;
-    let known = list_fields(session, prepared.n_levels());
+    let known = list_fields(session, prepared.bands.n_levels());
     let Some(info) = known.iter().find(|field| field.name == name) else {
         return Err(ApiError::bad_request(format!(
             "the shape has no field '{name}'; see `fields` of the shape"
@@ -245,9 +245,9 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
     } else if name == "change" {
         let (before, after) = (session.points(), &prepared.points);
         encode_f32(n, |x| norm((0..3).map(|c| after[x][c] - before[x][c])))
-    } else if let Some(level) = band.filter(|&j| (1..=prepared.n_levels()).contains(&j)) {
-        let map = prepared.decomposer.vertex_map();
-        let rows: &[[f64; 3]] = prepared.editor.wavelets().levels[level - 1].as_chunks().0;
+    } else if let Some(level) = band.filter(|&j| (1..=prepared.bands.n_levels()).contains(&j)) {
+        let map = prepared.bands.decomposer.vertex_map();
+        let rows: &[[f64; 3]] = prepared.bands.editor.wavelets().levels[level - 1].as_chunks().0;
         encode_f32(n, |x| norm(rows[map.welded(x)].into_iter()))
     } else if let Some(values) = stored_values(&session.file(), name).filter(|_| !info.is_computed()) {
         encode_f32(n, |x| values[x] as f32)
@@ -258,7 +258,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         let file = session.edited_file(&prepared)?;
         drop(prepared);
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-        let source = SignalSource { file: &file, shape: &shape, name: &session.input.name };
+        let source = SignalSource { file: &file, shape: &shape, name: &session.workspace.name };
         let signal = named_signal(source, name, None).map_err(|e| ApiError::from_classified(&e))?;
         encode_f32(n, |x| signal.values[x] as f32)
     };
@@ -269,8 +269,8 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
 /// Responds with a field in the form that regions use: computed on the original shape, with its own dyadic levels.
 pub(crate) fn region_field_response(session: &Session, name: &str) -> ApiResult {
     let prepared = session.lock_prepared()?;
-    let known = list_fields(session, prepared.n_levels());
-    let field = region_field(&session.file(), &prepared.decomposer, name);
+    let known = list_fields(session, prepared.bands.n_levels());
+    let field = region_field(&session.file(), &prepared.bands.decomposer, name);
     let (Some(info), Some((1, values))) = (known.iter().find(|field| field.name == name), field) else {
         return Err(ApiError::bad_request(format!(
             "the shape has no field '{name}' with one value per vertex"
@@ -291,9 +291,10 @@ const COLOR_ACCURACY: f64 = 3e-3;
 
 /// Computes the saliency of the edited positions with the diffusion of the original shape, at the accuracy of colors.
 fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f32>, ApiError> {
-    let decomposer = &prepared.decomposer;
-    let request =
-        decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(COLOR_ACCURACY);
+    let decomposer = &prepared.bands.decomposer;
+    let request = decomposer
+        .request(prepared.points.as_flattened(), 3, &prepared.bands.schedule)
+        .accuracy(COLOR_ACCURACY);
     let outward = prepared.outward_normals(&session.file())?;
     let has_outside = outward.info.has_outside();
     let wavelets =
@@ -333,7 +334,7 @@ fn find_features(
 pub(crate) fn feature_response(session: &Session, theta: Option<f64>) -> ApiResult {
     let (file, sigmas) = {
         let prepared = session.lock_prepared()?;
-        (session.edited_file(&prepared)?, prepared.sigmas())
+        (session.edited_file(&prepared)?, prepared.bands.sigmas())
     };
     let list = find_features(&file, theta, session.progress())?;
     let points = file.points();

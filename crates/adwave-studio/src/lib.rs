@@ -1,21 +1,27 @@
-//! Studio: an equalizer for shapes in the browser.
+//! Studio: an equalizer for shapes, images and volumes in the browser.
 //!
-//! [`serve`] starts a server on the loopback interface that holds the bands of a shape and its edit, and sends the page
-//! in `web` the arrays that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control, `session` an
-//! open shape, `document` its edit, `assets` the files of the page.
+//! [`serve`] starts a server on the loopback interface that holds the bands of a shape or a grid and its edit, and sends
+//! the page in `web` the arrays that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control,
+//! `session` an open shape, `grid_session` an open image or volume, `workspace` and `band_edit` what both have,
+//! `document` the edit, `assets` the files of the page.
 //!
 //! While a slider is dragged, the page computes the preview itself. Saved shapes are computed here in double precision,
 //! with the same objects as the command `adwave filter`: a saved file is bit-identical to a replay of its recipe.
 
 mod assets;
 mod autosave;
+mod band_edit;
 mod compare;
 mod deviation;
 mod document;
 mod export_page;
 mod field_bands;
 mod fields;
+mod grid_files;
+mod grid_planes;
+mod grid_session;
 mod guard;
+mod opened;
 mod pose;
 mod prepared_shape;
 mod recipes;
@@ -28,6 +34,7 @@ mod server;
 mod session;
 mod tasks;
 mod tool_routes;
+mod workspace;
 
 pub use document::{Document, FieldEdit};
 pub use server::{StudioAddress, StudioOutcome, StudioParams, serve};
@@ -42,7 +49,7 @@ use thiserror::Error;
 pub enum StudioError {
     /// The shape has no positions to display.
     #[error(
-        "{0}: the studio shows surfaces and points, and no graphs or curves; open a mesh or a point cloud, or use `adwave transform`"
+        "{0}: the studio shows surfaces and points, images and volumes, and no graphs or curves; open a mesh or a point cloud, or use `adwave transform`"
     )]
     NoPositions(String),
     /// The shape has more vertices than a browser can hold.
@@ -56,6 +63,14 @@ pub enum StudioError {
         n: usize,
         /// Largest supported number of vertices.
         max: usize,
+    },
+    /// The image or volume is of a kind that the studio does not show.
+    #[error("{name}: {problem}")]
+    UnsuitableGrid {
+        /// Name of the image or volume.
+        name: String,
+        /// What the studio shows, what was found, and what to do.
+        problem: String,
     },
     /// An error of the method or of a file.
     #[error("{text}")]
@@ -79,7 +94,7 @@ impl StudioError {
 impl ClassifiedError for StudioError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NoPositions(_) | Self::TooLarge { .. } => ErrorKind::Input,
+            Self::NoPositions(_) | Self::TooLarge { .. } | Self::UnsuitableGrid { .. } => ErrorKind::Input,
             Self::Method { kind, .. } => *kind,
             Self::Machine(_) => ErrorKind::Machine,
         }

@@ -22,10 +22,10 @@ const COMPUTED: [&str; 8] =
 /// Responds with the edit of the positions (`None`) or of a field as a recipe.
 pub(crate) fn recipe_response(session: &Session, field: Option<&str>) -> ApiResult {
     let prepared = session.lock_prepared()?;
-    let (levels, operator) = (&prepared.levels, prepared.decomposer.operator_kind());
+    let (levels, operator) = (&prepared.bands.levels, prepared.bands.decomposer.operator_kind());
     let recipe = match field {
-        Some(name) => prepared.document.to_field_recipe(name, levels, operator),
-        None => prepared.document.to_recipe(levels, operator),
+        Some(name) => prepared.bands.document.to_field_recipe(name, levels, operator),
+        None => prepared.bands.document.to_recipe(levels, operator),
     };
     Ok(bytes_response(recipe_to_text(&recipe)))
 }
@@ -44,20 +44,20 @@ pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
     };
     let walk = session.walk_decomposer()?;
     let levels = levels_of_recipe(session, &recipe, field.as_deref())?;
-    let mut next = PreparedShape::new(&session.input.shape, walk, levels, session.progress())?;
-    if recipe.operator.is_some_and(|kind| kind != next.decomposer.operator_kind()) {
+    let mut next = PreparedShape::new(&session.shape, walk, levels, session.progress())?;
+    if recipe.operator.is_some_and(|kind| kind != next.bands.decomposer.operator_kind()) {
         let message = "the studio uses the surface operator for levels given by width, and the walk operator otherwise; \
                        apply this recipe with `adwave filter --recipe`";
         return Err(ApiError::bad_request(message));
     }
     let mut prepared = session.lock_prepared()?;
-    let mut present = prepared.document.clone();
-    present.map_levels(&prepared.sigmas(), &next.sigmas());
+    let mut present = prepared.bands.document.clone();
+    present.map_levels(&prepared.bands.sigmas(), &next.bands.sigmas());
     present.revision += 1;
     let document = if let Some(name) = &field {
-        present.with_field_layers(name, layers_of_recipe(&recipe, next.n_levels())?)
+        present.with_field_layers(name, layers_of_recipe(&recipe, next.bands.n_levels())?)
     } else {
-        let positions = Document::from_recipe(&recipe, next.n_levels(), present.revision)?;
+        let positions = Document::from_recipe(&recipe, next.bands.n_levels(), present.revision)?;
         Document { fields: present.fields, ..positions }
     };
     next.poser = Arc::clone(&prepared.poser);
@@ -65,9 +65,9 @@ pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
     *prepared = next;
     session.store_edit(&prepared)?;
     json_response(&json!({
-        "levels": prepared.level_infos(),
-        "choice": prepared.levels_request(),
-        "edit": prepared.document,
+        "levels": prepared.bands.level_infos(),
+        "choice": prepared.bands.levels_request(),
+        "edit": prepared.bands.document,
         "field": field,
     }))
 }

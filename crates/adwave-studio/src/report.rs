@@ -70,7 +70,7 @@ pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile)
     let normals = file_normals(file);
     let format = file.format().map_or_else(|| "built-in".to_owned(), |format| format.to_string());
     let subject = Subject {
-        name: &session.input.name,
+        name: &session.workspace.name,
         format: &format,
         fields: &names,
         shape: &shape,

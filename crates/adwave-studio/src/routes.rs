@@ -1,18 +1,23 @@
 //! Handlers of the requests, which `PROTOCOL.md` describes.
 
+use crate::band_edit::LevelsRequest;
 use crate::document::Document;
+use crate::grid_planes::PlaneRequest;
+use crate::grid_session::{GridBands, stand_in_shape};
+use crate::opened::Opened;
 use crate::pose::{Follow, ReshapedBy, encode_carried};
-use crate::prepared_shape::{LevelsRequest, PreparedShape};
-use crate::response::{ApiError, bytes_response, encode_points, encode_rows, json_response};
+use crate::prepared_shape::PreparedShape;
+use crate::response::{ApiError, ApiResult, bytes_response, encode_points, encode_rows, json_response};
 use crate::save::SaveRequest;
 use crate::server::Studio;
 use crate::session::{Session, StudioInput};
-use crate::tasks::{run_blocking, run_cancellable, run_inline, with_shape};
+use crate::tasks::{run_blocking, run_cancellable, run_inline, with_opened, with_shape};
 use crate::tool_routes::{compare_methods, create_report, denoise_shape, measure_deviation, show_report};
+use crate::workspace::{Workspace, check_revision};
 use crate::{assets, export_page, field_bands, fields, recipes, save};
 use adwave::Progress;
 use adwave::region::Region;
-use adwave_io::{Format, ReadError, ReadLimits, Selection, read_bytes};
+use adwave_io::{Format, ReadError, ReadLimits, Selection, read_bytes, recipe_to_text};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
@@ -57,7 +62,8 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/report", post(create_report))
         .route("/compare", post(compare_methods))
         .route("/denoise", post(denoise_shape))
-        .route("/deviation", post(measure_deviation));
+        .route("/deviation", post(measure_deviation))
+        .route("/plane", get(send_plane));
     let upload = post(upload_shape).layer(DefaultBodyLimit::max(MAX_UPLOAD));
     Router::new()
         .route("/api/shapes", get(list_shapes).merge(upload))
@@ -82,7 +88,11 @@ async fn send_asset(uri: Uri) -> Response {
 }
 
 async fn list_shapes(State(studio): StudioState) -> Response {
-    let list: Vec<_> = studio.sessions().iter().map(|s| json!({"id": s.id, "name": s.input.name})).collect();
+    let describe = |opened: &Opened| {
+        let workspace = opened.workspace();
+        json!({"id": workspace.id, "name": workspace.name, "domain": opened.domain()})
+    };
+    let list: Vec<_> = studio.all_opened().iter().map(describe).collect();
     json_response(&json!({"version": env!("CARGO_PKG_VERSION"), "shapes": list})).into_response()
 }
 
@@ -93,9 +103,14 @@ async fn upload_shape(State(studio): StudioState, Query(query): QueryParams, bod
             .map_err(|e| upload_error(name, &e))?;
         let selected = Selection::default().apply(file);
         let file = selected.map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?.file;
-        let shape = file.to_shape().map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?;
-        let session = studio.open(StudioInput { name: name.to_owned(), path: None, file, shape })?;
-        json_response(&json!({"id": session.id, "name": session.input.name}))
+        let shape = if file.grid().is_some() {
+            stand_in_shape()?
+        } else {
+            file.to_shape().map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?
+        };
+        let opened = studio.open(StudioInput { name: name.to_owned(), path: None, file, shape })?;
+        let Workspace { id, name, .. } = opened.workspace();
+        json_response(&json!({"id": id, "name": name, "domain": opened.domain()}))
     };
     run_blocking(studio, move |studio| studio.pool.install(|| read(studio))).await
 }
@@ -116,7 +131,7 @@ fn upload_error(name: &str, error: &ReadError) -> ApiError {
 
 async fn close_shape(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     run_blocking(studio, move |studio| {
-        studio.session(id)?;
+        studio.opened(id)?;
         studio.close(id);
         json_response(&json!({}))
     })
@@ -124,7 +139,11 @@ async fn close_shape(State(studio): StudioState, Path(id): Path<u64>) -> Respons
 }
 
 async fn describe_shape(State(studio): StudioState, Path(id): Path<u64>) -> Response {
-    with_shape(studio, id, |session| json_response(&session.describe()?)).await
+    with_opened(studio, id, |opened| match opened {
+        Opened::Shape(session) => json_response(&session.describe()?),
+        Opened::Grid(session) => json_response(&session.describe()?),
+    })
+    .await
 }
 
 async fn send_positions(State(studio): StudioState, Path(id): Path<u64>) -> Response {
@@ -162,27 +181,38 @@ async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 }
 
 async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    let compute = move |session: &Session, progress: Progress<'_>| {
+    enum Levels {
+        Shape(PreparedShape),
+        Grid(GridBands),
+    }
+    let compute = move |opened: &Opened, progress: Progress<'_>| {
         let request: LevelsRequest = parse_body(&body, "choice of bands")?;
-        let (shape, walk) = (&session.input.shape, session.walk_decomposer()?);
-        PreparedShape::with_requested_levels(shape, walk, &request, progress)
+        Ok(match opened {
+            Opened::Shape(session) => {
+                let (shape, walk) = (&session.shape, session.walk_decomposer()?);
+                Levels::Shape(PreparedShape::with_requested_levels(shape, walk, &request, progress)?)
+            }
+            Opened::Grid(session) => Levels::Grid(session.bands_of_request(&request, progress)?),
+        })
     };
-    run_cancellable(studio, id, compute, |session, mut next| {
-        let mut prepared = session.lock_prepared()?;
-        let mut document = prepared.document.clone();
-        document.map_levels(&prepared.sigmas(), &next.sigmas());
-        next.poser = Arc::clone(&prepared.poser);
-        next.apply_edit(document, &session.file())?;
-        *prepared = next;
-        session.store_edit(&prepared)?;
-        json_response(&describe_levels(&prepared))
+    run_cancellable(studio, id, compute, |opened, levels| match (opened, levels) {
+        (Opened::Shape(session), Levels::Shape(next)) => replace_levels(session, next),
+        (Opened::Grid(session), Levels::Grid(next)) => session.replace_levels(next),
+        _ => unreachable!("what is open stays what it is"),
     })
     .await
 }
 
-/// Describes new levels, and the edit with the gains for these levels.
-fn describe_levels(prepared: &PreparedShape) -> serde_json::Value {
-    json!({"levels": prepared.level_infos(), "choice": prepared.levels_request(), "edit": prepared.document})
+/// Replaces the levels of a shape; the gains of the edit follow their widths.
+fn replace_levels(session: &Session, mut next: PreparedShape) -> ApiResult {
+    let mut prepared = session.lock_prepared()?;
+    let mut document = prepared.bands.document.clone();
+    document.map_levels(&prepared.bands.sigmas(), &next.bands.sigmas());
+    next.poser = Arc::clone(&prepared.poser);
+    next.apply_edit(document, &session.file())?;
+    *prepared = next;
+    session.store_edit(&prepared)?;
+    json_response(&prepared.bands.describe_levels())
 }
 
 /// Streams the bands from coarse to fine.
@@ -194,10 +224,10 @@ async fn stream_bands(State(studio): StudioState, Path(id): Path<u64>) -> Respon
     let (send, mut receive) = tokio::sync::mpsc::channel::<Result<Bytes, std::io::Error>>(2);
     let (shape, server) = (Arc::clone(&session), Arc::clone(&studio));
     let ready = tokio::task::spawn_blocking(move || {
-        let _turn = shape.wait_turn();
-        server
-            .pool
-            .install(|| shape.lock_prepared().map(|prepared| (prepared.levels.clone(), prepared.n_levels())))
+        let _turn = shape.workspace.wait_turn();
+        server.pool.install(|| {
+            shape.lock_prepared().map(|prepared| (prepared.bands.levels.clone(), prepared.bands.n_levels()))
+        })
     });
     let (levels, n_levels) = match ready.await {
         Ok(Ok(levels)) => levels,
@@ -212,9 +242,9 @@ async fn stream_bands(State(studio): StudioState, Path(id): Path<u64>) -> Respon
     };
     tokio::task::spawn_blocking(move || {
         for level in (1..=n_levels).rev() {
-            let turn = session.wait_turn();
+            let turn = session.workspace.wait_turn();
             let Ok(prepared) = session.lock_prepared() else { return };
-            if prepared.levels != levels {
+            if prepared.bands.levels != levels {
                 return; // the levels were replaced meanwhile
             }
             let (scale, values) = studio.pool.install(|| prepared.encode_band(level));
@@ -233,24 +263,26 @@ async fn stream_bands(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 }
 
 async fn send_edit(State(studio): StudioState, Path(id): Path<u64>) -> Response {
-    with_shape(studio, id, |session| json_response(&session.lock_prepared()?.document)).await
+    with_opened(studio, id, |opened| match opened {
+        Opened::Shape(session) => json_response(&session.lock_prepared()?.bands.document),
+        Opened::Grid(session) => json_response(session.lock_bands()?.document()),
+    })
+    .await
 }
 
 async fn apply_edit(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    with_shape(studio, id, move |session| {
+    with_opened(studio, id, move |opened| {
         let document: Document = parse_body(&body, "edit")?;
-        let mut prepared = session.lock_prepared()?;
-        let current = &prepared.document;
-        if document.revision <= current.revision && document != *current {
-            let message = format!(
-                "the edit must be newer than revision {}, got revision {}; the shape was edited in another tab",
-                current.revision, document.revision
-            );
-            return Err(ApiError::new(StatusCode::CONFLICT, message).with_fields(json!({"edit": current})));
+        match opened {
+            Opened::Shape(session) => {
+                let mut prepared = session.lock_prepared()?;
+                check_revision(&prepared.bands.document, &document)?;
+                let summary = prepared.apply_edit(document, &session.file())?;
+                session.store_edit(&prepared)?;
+                json_response(&summary)
+            }
+            Opened::Grid(session) => json_response(&session.apply_edit(document)?),
         }
-        let summary = prepared.apply_edit(document, &session.file())?;
-        session.store_edit(&prepared)?;
-        json_response(&summary)
     })
     .await
 }
@@ -308,7 +340,7 @@ async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: 
         let mut prepared = session.lock_prepared()?;
         let weights =
             prepared.region_weights(&region, &session.file()).map_err(|e| ApiError::from_classified(&e))?;
-        let weights = weights.to_vertices(prepared.decomposer.vertex_map());
+        let weights = weights.to_vertices(prepared.bands.decomposer.vertex_map());
         Ok(bytes_response(encode_rows(weights.len(), 1, |x, byte| {
             byte[0] = (255.0 * weights[x]).round() as u8;
         })))
@@ -356,11 +388,11 @@ async fn send_field_bands(
 ) -> Response {
     let name = query.get("name").cloned().unwrap_or_default();
     let wanted = name.clone();
-    let compute = move |session: &Session, progress: Progress<'_>| {
-        field_bands::compute_bands(session, &wanted, progress)
+    let compute = move |opened: &Opened, progress: Progress<'_>| {
+        field_bands::compute_bands(&*opened.clone().into_shape()?, &wanted, progress)
     };
-    run_cancellable(studio, id, compute, move |session, computed| {
-        field_bands::bands_response(session, &name, computed)
+    run_cancellable(studio, id, compute, move |opened, computed| {
+        field_bands::bands_response(&*opened.clone().into_shape()?, &name, computed)
     })
     .await
 }
@@ -391,26 +423,33 @@ async fn send_features(
 }
 
 async fn send_recipe(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
-    with_shape(studio, id, move |session| {
-        recipes::recipe_response(session, query.get("field").map(String::as_str))
+    with_opened(studio, id, move |opened| match opened {
+        Opened::Shape(session) => recipes::recipe_response(session, query.get("field").map(String::as_str)),
+        Opened::Grid(session) => Ok(bytes_response(recipe_to_text(&session.lock_bands()?.to_recipe()))),
     })
     .await
 }
 
 async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    with_shape(studio, id, move |session| {
+    with_opened(studio, id, move |opened| {
         let text =
             std::str::from_utf8(&body).map_err(|_| ApiError::bad_request("the recipe must be UTF-8 text"))?;
-        recipes::apply_recipe(session, text)
+        match opened {
+            Opened::Shape(session) => recipes::apply_recipe(session, text),
+            Opened::Grid(session) => session.apply_recipe(text),
+        }
     })
     .await
 }
 
 async fn save_file(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    with_shape(studio, id, move |session| {
+    with_opened(studio, id, move |opened| {
         let request: SaveRequest =
             if body.is_empty() { SaveRequest::default() } else { parse_body(&body, "file name")? };
-        save::save(session, &request)
+        match opened {
+            Opened::Shape(session) => save::save(session, &request),
+            Opened::Grid(session) => session.save(&request),
+        }
     })
     .await
 }
@@ -420,8 +459,22 @@ async fn download_file(
     Path(id): Path<u64>,
     Query(query): QueryParams,
 ) -> Response {
-    with_shape(studio, id, move |session| {
-        save::download(session, query.get("format").map_or("ply", String::as_str))
+    with_opened(studio, id, move |opened| {
+        let format = query.get("format").map(String::as_str);
+        match opened {
+            Opened::Shape(session) => save::download(session, format.unwrap_or("ply")),
+            Opened::Grid(session) => session.download(format, query.get("value_type").map(String::as_str)),
+        }
+    })
+    .await
+}
+
+/// Sends the values and bands of a part of an image, or of a slice of a volume.
+async fn send_plane(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
+    with_opened(studio, id, move |opened| {
+        let session = opened.clone().into_grid()?;
+        let plane = PlaneRequest::parse(&query, session.layout())?;
+        Ok(bytes_response(session.lock_bands()?.encode_plane(&plane, session.layout())?))
     })
     .await
 }

@@ -2,10 +2,12 @@
 
 use crate::StudioError;
 use crate::guard::{Guard, check_request};
+use crate::opened::Opened;
 use crate::report::Reports;
 use crate::response::ApiError;
 use crate::routes::router;
 use crate::session::{Session, StudioInput};
+use crate::workspace::OpenedAt;
 use adwave::Progress;
 use adwave_io::{Recipe, recipe_to_text};
 use axum::http::StatusCode;
@@ -70,15 +72,15 @@ pub struct StudioAddress {
 pub struct StudioOutcome {
     /// Edit as a recipe in TOML.
     pub recipe: String,
-    /// Edited positions in model units, in the order of the vertices of the shape.
+    /// Edited positions in model units, in the order of the vertices of the shape; none of an image or a volume.
     pub points: Vec<[f64; 3]>,
     /// True if the user ended the studio in the page, false if it was cancelled.
     pub is_done: bool,
 }
 
-/// State of the server: its open shapes and its compute threads.
+/// State of the server: what is open, and its compute threads.
 pub(crate) struct Studio {
-    sessions: RwLock<Vec<Arc<Session>>>,
+    opened: RwLock<Vec<Opened>>,
     next_id: AtomicU64,
     autosave_folder: Option<PathBuf>,
     /// Folder of the first shape, in which uploaded shapes are saved too.
@@ -96,51 +98,56 @@ const POLL_INTERVAL: Duration = Duration::from_millis(20);
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(500);
 
 impl Studio {
-    pub(crate) fn sessions(&self) -> Vec<Arc<Session>> {
-        self.sessions.read().unwrap_or_else(PoisonError::into_inner).clone()
+    pub(crate) fn all_opened(&self) -> Vec<Opened> {
+        self.opened.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    pub(crate) fn session(&self, id: u64) -> Result<Arc<Session>, ApiError> {
-        let session = self.sessions().into_iter().find(|session| session.id == id);
-        session.ok_or_else(|| {
+    pub(crate) fn opened(&self, id: u64) -> Result<Opened, ApiError> {
+        let opened = self.all_opened().into_iter().find(|opened| opened.workspace().id == id);
+        opened.ok_or_else(|| {
             ApiError::new(StatusCode::NOT_FOUND, format!("shape {id} is not open; reload the page"))
         })
     }
 
-    /// Opens a shape and starts computing its bands in the background.
-    pub(crate) fn open(&self, input: StudioInput) -> Result<Arc<Session>, StudioError> {
-        let id = self.next_id.fetch_add(1, Ordering::Relaxed);
-        let session = Arc::new(Session::new(
-            id,
-            input,
-            self.folder.clone(),
-            self.autosave_folder.as_deref(),
-            Arc::clone(&self.stop),
-        )?);
-        self.sessions.write().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&session));
-        let (background, pool) = (Arc::clone(&session), Arc::clone(&self.pool));
+    /// Returns an open shape; images and volumes are refused.
+    pub(crate) fn session(&self, id: u64) -> Result<Arc<Session>, ApiError> {
+        self.opened(id)?.into_shape()
+    }
+
+    /// Opens a shape, an image or a volume, and starts computing its bands in the background.
+    pub(crate) fn open(&self, input: StudioInput) -> Result<Opened, StudioError> {
+        let at = OpenedAt {
+            id: self.next_id.fetch_add(1, Ordering::Relaxed),
+            folder: self.folder.clone(),
+            autosave_folder: self.autosave_folder.clone(),
+            stop: Arc::clone(&self.stop),
+        };
+        let opened = Opened::new(input, at)?;
+        self.opened.write().unwrap_or_else(PoisonError::into_inner).push(opened.clone());
+        let (background, pool) = (opened.clone(), Arc::clone(&self.pool));
         std::thread::spawn(move || {
-            let _turn = background.wait_turn();
-            pool.install(|| drop(background.lock_prepared().map(|_| ())));
+            let _turn = background.workspace().wait_turn();
+            pool.install(|| drop(background.prepare()));
         });
-        Ok(session)
+        Ok(opened)
     }
 
     pub(crate) fn close(&self, id: u64) {
-        self.sessions.write().unwrap_or_else(PoisonError::into_inner).retain(|session| session.id != id);
+        let mut list = self.opened.write().unwrap_or_else(PoisonError::into_inner);
+        list.retain(|opened| opened.workspace().id != id);
     }
 
     /// Returns a name `STEM-WORD.EXT` for a shape made from the shape `name`, with a number if an open shape has this
     /// name.
     pub(crate) fn unused_name(&self, name: &str, word: &str) -> String {
         let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "ply"));
-        let sessions = self.sessions();
+        let all = self.all_opened();
         let numbered = |k: usize| match k {
             1 => format!("{stem}-{word}.{extension}"),
             k => format!("{stem}-{word}-{k}.{extension}"),
         };
-        let is_free = |name: &String| sessions.iter().all(|session| session.input.name != *name);
-        (1..=sessions.len() + 1).map(numbered).find(is_free).unwrap_or_else(|| numbered(1))
+        let is_free = |name: &String| all.iter().all(|opened| opened.workspace().name != *name);
+        (1..=all.len() + 1).map(numbered).find(is_free).unwrap_or_else(|| numbered(1))
     }
 
     pub(crate) fn finish(&self) {
@@ -148,11 +155,12 @@ impl Studio {
     }
 }
 
-/// Runs the studio on a shape until the user ends it or `progress` is cancelled; `ready` is called once with the
+/// Runs the studio on a shape, an image or a volume until the user ends it or `progress` is cancelled; `ready` is called once with the
 /// address.
 ///
 /// # Errors
-/// Returns a [`StudioError`] if the shape has no positions or is too large, or if no port is available.
+/// Returns a [`StudioError`] if the shape has no positions or is too large, if an image or a volume is a series or too
+/// large, or if no port is available.
 pub fn serve(
     input: StudioInput,
     params: &StudioParams,
@@ -172,7 +180,7 @@ pub fn serve(
     let n_threads = params.n_threads.unwrap_or_else(rayon::current_num_threads);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
     let studio = Arc::new(Studio {
-        sessions: RwLock::new(Vec::new()),
+        opened: RwLock::new(Vec::new()),
         next_id: AtomicU64::new(1),
         autosave_folder: params.autosave_folder.clone().or_else(crate::autosave::default_folder),
         folder: input.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf),
@@ -215,13 +223,25 @@ async fn wait_for_end(studio: &Studio, progress: Progress<'_>) {
     }
 }
 
-/// Collects the edit and the edited positions, or the original positions if the bands could not be computed.
-fn collect_outcome(session: &Session, is_done: bool) -> StudioOutcome {
-    if let Ok(prepared) = session.lock_prepared() {
-        let recipe = prepared.document.to_recipe(&prepared.levels, prepared.decomposer.operator_kind());
-        StudioOutcome { recipe: recipe_to_text(&recipe), points: prepared.points.to_vec(), is_done }
-    } else {
-        let recipe = recipe_to_text(&Recipe::default());
-        StudioOutcome { recipe, points: session.points().to_vec(), is_done }
+/// Collects the edit and the edited positions, or the original positions if the bands could not be computed. Images and
+/// volumes have no positions.
+fn collect_outcome(opened: &Opened, is_done: bool) -> StudioOutcome {
+    let recipe = |recipe: Recipe| recipe_to_text(&recipe);
+    match opened {
+        Opened::Shape(session) => match session.lock_prepared() {
+            Ok(prepared) => {
+                let bands = &prepared.bands;
+                let edit = bands.document.to_recipe(&bands.levels, bands.decomposer.operator_kind());
+                StudioOutcome { recipe: recipe(edit), points: prepared.points.to_vec(), is_done }
+            }
+            Err(_) => {
+                let points = session.points().to_vec();
+                StudioOutcome { recipe: recipe(Recipe::default()), points, is_done }
+            }
+        },
+        Opened::Grid(session) => {
+            let edit = session.lock_bands().map_or_else(|_| Recipe::default(), |bands| bands.to_recipe());
+            StudioOutcome { recipe: recipe(edit), points: Vec::new(), is_done }
+        }
     }
 }

@@ -6,6 +6,7 @@ use crate::field_bands::is_editable;
 use crate::fields::{FieldInfo, list_fields};
 use crate::prepared_shape::{PreparedShape, build_decomposer};
 use crate::response::ApiError;
+use crate::workspace::{OpenedAt, Workspace};
 use adwave::operator::OperatorKind;
 use adwave::shape::{Shape, bounding_box, triangulate};
 use adwave::{Decomposer, Progress};
@@ -15,7 +16,6 @@ use adwave_io::{
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// Largest number of vertices; with eight bands a browser needs about 100 bytes per vertex.
@@ -34,46 +34,25 @@ pub struct StudioInput {
     pub shape: Shape,
 }
 
-/// Name, origin and geometry of an open shape.
-pub(crate) struct OpenedShape {
-    pub(crate) name: String,
-    pub(crate) path: Option<PathBuf>,
-    pub(crate) shape: Shape,
-}
-
 /// Open shape with its lazily computed state.
 pub(crate) struct Session {
-    pub(crate) id: u64,
-    pub(crate) input: OpenedShape,
+    pub(crate) workspace: Workspace,
+    /// Geometry of the file.
+    pub(crate) shape: Shape,
     /// Content of the file, with the fields that were added.
     file: RwLock<Arc<ShapeFile>>,
     /// Names of the fields that cannot be edited; `None` until they are needed.
     uneditable: Mutex<Option<Arc<HashSet<String>>>>,
-    /// Folder in which files are saved.
-    pub(crate) folder: PathBuf,
     pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
     walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<PreparedShape>, Arc<StudioError>>>,
-    turn: Mutex<()>,
     /// Indices of the vertices that the page draws while the shape moves.
     drawn: Mutex<Arc<Vec<u32>>>,
-    autosave: Option<Autosave>,
-    was_resumed: OnceLock<bool>,
-    /// Files written by this session, which may be overwritten.
-    pub(crate) written: Mutex<HashSet<PathBuf>>,
-    /// Flag that is set at shutdown to cancel computations.
-    stop: Arc<AtomicBool>,
 }
 
 impl Session {
-    pub(crate) fn new(
-        id: u64,
-        input: StudioInput,
-        folder: PathBuf,
-        autosave_folder: Option<&Path>,
-        stop: Arc<AtomicBool>,
-    ) -> Result<Self, StudioError> {
+    pub(crate) fn new(input: StudioInput, at: OpenedAt) -> Result<Self, StudioError> {
         let Some(points) = input.shape.points().filter(|_| !input.shape.is_graph()) else {
             return Err(StudioError::NoPositions(input.name));
         };
@@ -87,9 +66,9 @@ impl Session {
             Shape::Mesh(mesh) => triangulate(points, mesh.faces()),
             _ => Vec::new(),
         };
-        let autosave = Autosave::new(&input, autosave_folder);
-        let StudioInput { name, path, file, shape } = input;
-        let mut file = file;
+        let coordinates = points.as_flattened();
+        let autosave = Autosave::new(input.path.as_deref(), coordinates, at.autosave_folder.as_deref());
+        let StudioInput { name, path, mut file, shape } = input;
         if let Some(autosave) = &autosave {
             // Fields of the last session, which regions of the edit may use.
             for stored in autosave.field_files() {
@@ -97,35 +76,21 @@ impl Session {
             }
         }
         Ok(Self {
-            id,
-            input: OpenedShape { name, path, shape },
+            workspace: Workspace::new(at, name, path, autosave),
+            shape,
             file: RwLock::new(Arc::new(file)),
             uneditable: Mutex::default(),
-            folder,
             center,
             triangles,
             walk_decomposer: OnceLock::new(),
             prepared: OnceLock::new(),
-            turn: Mutex::default(),
             drawn: Mutex::default(),
-            autosave,
-            was_resumed: OnceLock::new(),
-            written: Mutex::default(),
-            stop,
         })
     }
 
     /// Returns a handle that is cancelled at shutdown.
     pub(crate) fn progress(&self) -> Progress<'_> {
-        Progress::none().with_cancel(&self.stop)
-    }
-
-    /// Waits until no other request of this shape is handled.
-    ///
-    /// Must be called outside the compute threads: a thread of the pool that waits takes over other work meanwhile, and
-    /// could then wait for a lock that it holds itself.
-    pub(crate) fn wait_turn(&self) -> MutexGuard<'_, ()> {
-        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+        self.workspace.progress()
     }
 
     pub(crate) fn set_drawn(&self, vertices: Vec<u32>) {
@@ -140,7 +105,7 @@ impl Session {
     /// Returns the diffusion of the walk operator, whose steps define the levels; computed once.
     pub(crate) fn walk_decomposer(&self) -> Result<&Decomposer, ApiError> {
         let result = self.walk_decomposer.get_or_init(|| {
-            build_decomposer(&self.input.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
+            build_decomposer(&self.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
         });
         result.as_ref().map_err(|e| ApiError::from_classified(&**e))
     }
@@ -149,15 +114,15 @@ impl Session {
     pub(crate) fn lock_prepared(&self) -> Result<MutexGuard<'_, PreparedShape>, ApiError> {
         let walk = self.walk_decomposer()?;
         let result = self.prepared.get_or_init(|| {
-            let (shape, progress) = (&self.input.shape, self.progress());
+            let (shape, progress) = (&self.shape, self.progress());
             let unedited = || PreparedShape::with_default_levels(shape, walk, progress);
-            let stored = self.autosave.as_ref().and_then(Autosave::read);
+            let stored = self.workspace.autosave.as_ref().and_then(Autosave::read);
             let resumed = stored.and_then(|(levels, document)| {
                 let mut prepared = PreparedShape::new(shape, walk, levels, progress).ok()?;
                 prepared.apply_edit(document, &self.file()).ok()?;
                 Some(prepared)
             });
-            let _ = self.was_resumed.set(resumed.is_some());
+            let _ = self.workspace.was_resumed.set(resumed.is_some());
             let prepared = resumed.map_or_else(unedited, Ok);
             prepared.map(Mutex::new).map_err(Arc::new)
         });
@@ -187,10 +152,10 @@ impl Session {
         let path = folder.path().join(name);
         std::fs::write(&path, content).map_err(StudioError::from)?;
         let mut file = ShapeFile::clone(&self.file());
-        let names = add_values(&mut file, &self.input.shape, &path)
+        let names = add_values(&mut file, &self.shape, &path)
             // The message names the file by its place on this machine.
             .map_err(|e| ApiError::bad_request(e.replace(&path.display().to_string(), name)))?;
-        if let Some(autosave) = &self.autosave {
+        if let Some(autosave) = &self.workspace.autosave {
             autosave.write_field_file(name, content)?;
         }
         *self.file.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(file);
@@ -203,15 +168,12 @@ impl Session {
     }
 
     pub(crate) fn points(&self) -> &[[f64; 3]] {
-        self.input.shape.points().unwrap_or_default()
+        self.shape.points().unwrap_or_default()
     }
 
     /// Stores the edit for the next session.
     pub(crate) fn store_edit(&self, prepared: &PreparedShape) -> Result<(), ApiError> {
-        match &self.autosave {
-            Some(autosave) => autosave.write(&prepared.levels, &prepared.document),
-            None => Ok(()),
-        }
+        self.workspace.store_edit(&prepared.bands.levels, &prepared.bands.document)
     }
 
     /// Returns the content of the file with the edited positions.
@@ -233,32 +195,28 @@ impl Session {
     pub(crate) fn describe(&self) -> Result<Value, ApiError> {
         let prepared = self.lock_prepared()?;
         let health = prepared.health();
-        let (input, n_levels) = (&self.input, prepared.n_levels());
+        let (workspace, bands) = (&self.workspace, &prepared.bands);
         let kind = if self.triangles.is_empty() { "cloud" } else { "mesh" };
-        let presets: Vec<Value> = adwave::filter::Preset::ALL
-            .iter()
-            .map(|preset| json!({"name": preset.name(), "gains": preset.gains(n_levels)}))
-            .collect();
         Ok(json!({
-            "id": self.id,
-            "name": input.name,
+            "id": workspace.id,
+            "name": workspace.name,
             "format": self.file().format().map(Format::name),
             "formats": self.writable_formats(),
             "kind": kind,
-            "n_vertices": input.shape.n_vertices(),
+            "n_vertices": self.shape.n_vertices(),
             "n_triangles": self.triangles.len(),
             "center": self.center,
-            "diagonal": prepared.decomposer.extent(),
-            "mean_length": prepared.decomposer.mean_length(),
+            "diagonal": bands.decomposer.extent(),
+            "mean_length": bands.decomposer.mean_length(),
             "closed": health.is_closed(),
             "volume": health.volume,
             "components": health.n_components,
             "notes": describe_defects(health),
-            "levels": prepared.level_infos(),
-            "choice": prepared.levels_request(),
-            "fields": list_fields(self, n_levels).iter().map(FieldInfo::to_json).collect::<Vec<_>>(),
-            "presets": presets,
-            "resumed": self.was_resumed.get().copied().unwrap_or(false),
+            "levels": bands.level_infos(),
+            "choice": bands.levels_request(),
+            "fields": list_fields(self, bands.n_levels()).iter().map(FieldInfo::to_json).collect::<Vec<_>>(),
+            "presets": bands.presets(),
+            "resumed": self.workspace.was_resumed.get().copied().unwrap_or(false),
         }))
     }
 

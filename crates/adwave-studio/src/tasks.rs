@@ -2,6 +2,7 @@
 //!
 //! Requests that need the bands of a shape are handled one after another for each shape.
 
+use crate::opened::Opened;
 use crate::response::{ApiError, ApiResult};
 use crate::server::Studio;
 use crate::session::Session;
@@ -25,6 +26,20 @@ pub(crate) async fn run_blocking(
     result.unwrap_or_else(|_| panicked()).into_response()
 }
 
+/// Runs `task` on what is open, after waiting for its turn, in the studio's thread pool.
+pub(crate) async fn with_opened(
+    studio: Arc<Studio>,
+    id: u64,
+    task: impl FnOnce(&Opened) -> ApiResult + Send + 'static,
+) -> Response {
+    run_blocking(studio, move |studio| {
+        let opened = studio.opened(id)?;
+        let _turn = opened.workspace().wait_turn();
+        studio.pool.install(|| task(&opened))
+    })
+    .await
+}
+
 /// Runs `task` on one shape, after waiting for the shape's turn, in the studio's thread pool.
 pub(crate) async fn with_shape(
     studio: Arc<Studio>,
@@ -33,7 +48,7 @@ pub(crate) async fn with_shape(
 ) -> Response {
     run_blocking(studio, move |studio| {
         let session = studio.session(id)?;
-        let _turn = session.wait_turn();
+        let _turn = session.workspace.wait_turn();
         studio.pool.install(|| task(&session))
     })
     .await
@@ -66,32 +81,32 @@ impl Drop for CancelOnDrop {
 pub(crate) async fn run_cancellable<T: Send>(
     studio: Arc<Studio>,
     id: u64,
-    compute: impl FnOnce(&Session, Progress<'_>) -> Result<T, ApiError> + Send + 'static,
-    install: impl FnOnce(&Session, T) -> ApiResult + Send + 'static,
+    compute: impl FnOnce(&Opened, Progress<'_>) -> Result<T, ApiError> + Send + 'static,
+    install: impl FnOnce(&Opened, T) -> ApiResult + Send + 'static,
 ) -> Response {
     let cancel = Arc::new(AtomicBool::new(false));
     let _guard = CancelOnDrop(Arc::clone(&cancel));
     run_blocking(studio, move |studio| {
-        let session = studio.session(id)?;
-        let first_turn = session.wait_turn();
-        studio.pool.install(|| session.walk_decomposer().map(|_| ()))?;
+        let opened = studio.opened(id)?;
+        let first_turn = opened.workspace().wait_turn();
+        studio.pool.install(|| opened.prepare_levels())?;
         drop(first_turn);
         // A shutdown cancels too.
         let pass_on = |_: u64, _: u64| {
-            if session.progress().is_cancelled() {
+            if opened.workspace().progress().is_cancelled() {
                 cancel.store(true, Ordering::Relaxed);
             }
         };
         let progress = Progress::none().with_cancel(&cancel).with_report(&pass_on);
-        let result = studio.pool.install(|| compute(&session, progress))?;
-        let _turn = session.wait_turn();
+        let result = studio.pool.install(|| compute(&opened, progress))?;
+        let _turn = opened.workspace().wait_turn();
         if cancel.load(Ordering::Relaxed) {
             return Err(ApiError::new(
                 StatusCode::SERVICE_UNAVAILABLE,
                 "the computation of the bands was cancelled",
             ));
         }
-        studio.pool.install(|| install(&session, result))
+        studio.pool.install(|| install(&opened, result))
     })
     .await
 }
@@ -105,7 +120,7 @@ pub(crate) async fn spawn_blocking_task<T: Send>(
 ) -> Response {
     run_blocking(studio, move |studio| {
         let session = studio.session(id)?;
-        let turn = session.wait_turn();
+        let turn = session.workspace.wait_turn();
         let input = studio.pool.install(|| snapshot(&session))?;
         drop(turn);
         studio.pool.install(|| task(studio, &session, input))

@@ -7,6 +7,7 @@ use crate::response::{ApiError, json_response};
 use crate::routes::{StudioState, parse_body};
 use crate::session::{Session, StudioInput};
 use crate::tasks::{run_blocking, spawn_blocking_task};
+use crate::workspace::Workspace;
 use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::shape::PreparedGeometry;
@@ -40,7 +41,7 @@ pub(crate) async fn compare_methods(
     let snapshot = move |session: &Session| {
         let request: CompareRequest = parse_body(&body, "comparison")?;
         let prepared = session.lock_prepared()?;
-        Ok((request.method, Arc::clone(&prepared.unposed), prepared.decomposer.clone()))
+        Ok((request.method, Arc::clone(&prepared.unposed), prepared.bands.decomposer.clone()))
     };
     spawn_blocking_task(studio, id, snapshot, |_, session, (method, edited, decomposer)| {
         compare::compare(session, method, &edited, &decomposer)
@@ -75,10 +76,11 @@ pub(crate) async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64
         file.move_points(clean.points, MovedNormals::Follow, session.progress())
             .map_err(|e| ApiError::from_classified(&e))?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-        let name = studio.unused_name(&session.input.name, "denoised");
+        let name = studio.unused_name(&session.workspace.name, "denoised");
         // Saved in the same folder, with an edit of its own.
-        let session = studio.open(StudioInput { name, path: None, file, shape })?;
-        json_response(&json!({"id": session.id, "name": session.input.name, "noise": clean.info.noise}))
+        let opened = studio.open(StudioInput { name, path: None, file, shape })?;
+        let Workspace { id, name, .. } = opened.workspace();
+        json_response(&json!({"id": id, "name": name, "noise": clean.info.noise}))
     })
     .await
 }
@@ -93,7 +95,7 @@ pub(crate) async fn measure_deviation(
         let request: DeviationRequest = parse_body(&body, "other shape")?;
         let edited = |id: u64| {
             let session = studio.session(id)?;
-            let turn = session.wait_turn();
+            let turn = session.workspace.wait_turn();
             let file = studio.pool.install(|| session.edited_file(&*session.lock_prepared()?))?;
             drop(turn);
             Ok::<_, ApiError>((session, file))

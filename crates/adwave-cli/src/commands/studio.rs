@@ -1,4 +1,4 @@
-//! `adwave studio`: an equalizer for the shape in a browser.
+//! `adwave studio`: an equalizer for a shape, an image or a volume in a browser.
 
 use crate::args::{SelectionArgs, count, file_name, number, parse_named, to_path};
 use crate::error::CliError;
@@ -20,14 +20,18 @@ Opens the shape in a browser, with one slider for each band; the shape follows w
 the surface, layer by layer. Every change can be undone, and the edit is restored on the next visit. Saved shapes are computed in
 double precision and are bit-identical to the result of 'adwave filter --recipe'.
 
+An image is shown flat, a terrain with shading, and a volume in three slices that are linked by a cross; sliders change the values.
+
 The server listens on this machine only and answers only requests with the token of the address that it prints. Ctrl-C ends it.
 
 Examples:
   adwave studio bunny.obj
   adwave studio sample:creature --vertices 50000
+  adwave studio dem.tif
+  adwave studio brain.nii.gz --mask brain-mask.nii.gz
   adwave studio scan.ply --no-open --port 8080     elsewhere, with ssh -L 8080:127.0.0.1:8080")]
 pub(crate) struct StudioArgs {
-    /// Shape: a file, '-' for the standard input, or sample:NAME
+    /// Shape, image or volume: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE", value_parser = file_name())]
     shape: String,
     #[command(flatten)]

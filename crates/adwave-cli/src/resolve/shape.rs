@@ -261,7 +261,7 @@ pub(crate) fn row_words(file: &ShapeFile) -> [&'static str; 2] {
 }
 
 /// Commands that take images and volumes.
-const GRID_COMMANDS: [&str; 12] = [
+const GRID_COMMANDS: [&str; 13] = [
     "info",
     "transform",
     "filter",
@@ -274,6 +274,7 @@ const GRID_COMMANDS: [&str; 12] = [
     "report",
     "render",
     "convert",
+    "studio",
 ];
 
 /// The domain of an image or a volume, with heat on its grid.

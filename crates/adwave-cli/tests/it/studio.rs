@@ -2,9 +2,13 @@
 
 use crate::common;
 
+use adwave_io::{Field, FieldValues, GRID_VALUES, GridLayout, ShapeFile, write_path};
 use common::{adwave, refused};
-use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -17,7 +21,8 @@ fn what_cannot_be_opened_is_refused_in_one_line() {
     let graph = "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n";
     std::fs::write(folder.path().join("graph.mtx"), graph).unwrap();
     assert!(
-        refused("studio graph.mtx --no-open").contains("shows surfaces and points, and no graphs or curves")
+        refused("studio graph.mtx --no-open")
+            .contains("shows surfaces and points, images and volumes, and no graphs or curves")
     );
     std::fs::write(folder.path().join("empty.obj"), "").unwrap();
     assert!(refused("studio empty.obj --no-open").contains("empty.obj"));
@@ -53,4 +58,97 @@ fn it_prints_its_address_and_ctrl_c_ends_it() {
     assert_eq!(std::io::read_to_string(printed).unwrap(), "press Ctrl-C to end\n");
     let told = std::io::read_to_string(studio.stderr.take().unwrap()).unwrap();
     assert_eq!(told, "");
+}
+
+/// A studio of the command, and requests to it.
+struct ServedStudio {
+    process: Child,
+    host: String,
+    token: String,
+}
+
+impl ServedStudio {
+    fn on(folder: &Path, words: &[&str]) -> Self {
+        let mut process = Command::new(env!("CARGO_BIN_EXE_adwave"))
+            .arg("studio")
+            .args(words)
+            .args(["--no-open", "--quiet"])
+            .current_dir(folder)
+            .env("XDG_STATE_HOME", folder.join("state"))
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(process.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let address = line.trim().strip_prefix("http://").and_then(|rest| rest.split_once("/#"));
+        let (host, token) =
+            address.map(|(host, token)| (host.to_owned(), token.to_owned())).expect("an address");
+        Self { process, host, token }
+    }
+
+    /// Body of the response to a request.
+    fn ask(&self, method: &str, path: &str, body: &str) -> String {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        let (host, token, length) = (&self.host, &self.token, body.len());
+        let head = format!(
+            "{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\nContent-Length: {length}\r\n\
+             Authorization: Bearer {token}\r\n\r\n"
+        );
+        stream.write_all((head + body).as_bytes()).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        assert!(head.starts_with("HTTP/1.1 200"), "{method} {path}: {answer}");
+        body.to_owned()
+    }
+}
+
+impl Drop for ServedStudio {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+#[test]
+fn a_saved_image_or_volume_has_the_bytes_of_the_command() {
+    let folder = TempDir::new().unwrap();
+    let run = |line: &str| {
+        adwave(folder.path()).args(line.split(' ')).assert().success();
+    };
+    run("sample hills --vertices 3000 -o hills.tif");
+    run("sample head --vertices 6000 -o head.nii.gz");
+    for (name, selection) in [("hills.tif", ""), ("head.nii.gz", ""), ("head.nii.gz", "--only=values=5..")] {
+        let mut words = vec![name];
+        words.extend((!selection.is_empty()).then_some(selection));
+        let studio = ServedStudio::on(folder.path(), &words);
+        let info: Value = serde_json::from_str(&studio.ask("GET", "/api/shapes/1", "")).unwrap();
+        let n_levels = info["levels"].as_array().unwrap().len();
+        let gains: Vec<f64> = (0..n_levels).map(|j| [0.25, 1.5, 1.0][j % 3]).collect();
+        let layer = json!({"name": "", "on": true, "opacity": 1.0, "gains": gains, "region": null});
+        let edit = json!({"revision": 9, "layers": [layer]});
+        studio.ask("PUT", "/api/shapes/1/edit", &edit.to_string());
+        let saved = format!("saved-{name}");
+        studio.ask("POST", "/api/shapes/1/save", &json!({"name": saved, "replace": true}).to_string());
+        std::fs::write(folder.path().join("edit.toml"), studio.ask("GET", "/api/shapes/1/recipe", ""))
+            .unwrap();
+        run(format!("filter {name} {selection} --recipe edit.toml -o command-{name}")
+            .replace("  ", " ")
+            .as_str());
+        let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+        assert!(read(&saved) == read(&format!("command-{name}")), "{name} {selection}");
+        assert!(read(&saved) != read(name), "{name} {selection}");
+    }
+}
+
+#[test]
+fn series_are_refused_in_one_line_with_what_to_do() {
+    let folder = TempDir::new().unwrap();
+    let mut series = ShapeFile::from_grid(GridLayout::new(&[3, 4, 5], &[1.0; 3])).unwrap();
+    let values = FieldValues::F32((0..240).map(|k| (k % 7) as f32).collect());
+    series.add_vertex_field(Field::new(GRID_VALUES, 4, values)).unwrap();
+    write_path(&series, &folder.path().join("bold.nii.gz"), None).unwrap();
+    let text = refused(folder.path(), "studio bold.nii.gz --no-open");
+    assert!(text.contains("one value per voxel, got 4") && text.contains("adwave filter"), "{text}");
 }

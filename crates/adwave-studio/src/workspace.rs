@@ -1,0 +1,89 @@
+//! Part of a session that does not depend on what is open: names, files, stored edits, and the order of requests.
+
+use crate::autosave::Autosave;
+use crate::document::Document;
+use crate::response::ApiError;
+use adwave::{LevelSpec, Progress};
+use axum::http::StatusCode;
+use serde_json::json;
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// Place at which something is opened: its number, its folder and the flag that ends its work.
+#[derive(Clone, Debug)]
+pub(crate) struct OpenedAt {
+    pub(crate) id: u64,
+    /// Folder in which files are saved.
+    pub(crate) folder: PathBuf,
+    /// Folder of stored edits.
+    pub(crate) autosave_folder: Option<PathBuf>,
+    /// Flag that is set at shutdown to cancel computations.
+    pub(crate) stop: Arc<AtomicBool>,
+}
+
+/// Names and files of an open shape or grid, and the turn of its requests.
+pub(crate) struct Workspace {
+    pub(crate) id: u64,
+    pub(crate) name: String,
+    /// Path of the opened file.
+    pub(crate) path: Option<PathBuf>,
+    /// Folder in which files are saved.
+    pub(crate) folder: PathBuf,
+    pub(crate) autosave: Option<Autosave>,
+    pub(crate) was_resumed: OnceLock<bool>,
+    /// Files written by this session, which may be overwritten.
+    pub(crate) written: Mutex<HashSet<PathBuf>>,
+    turn: Mutex<()>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Workspace {
+    pub(crate) fn new(at: OpenedAt, name: String, path: Option<PathBuf>, autosave: Option<Autosave>) -> Self {
+        Self {
+            id: at.id,
+            name,
+            path,
+            folder: at.folder,
+            autosave,
+            was_resumed: OnceLock::new(),
+            written: Mutex::default(),
+            turn: Mutex::default(),
+            stop: at.stop,
+        }
+    }
+
+    /// Returns a handle that is cancelled at shutdown.
+    pub(crate) fn progress(&self) -> Progress<'_> {
+        Progress::none().with_cancel(&self.stop)
+    }
+
+    /// Waits until no other request of this session is handled.
+    ///
+    /// Must be called outside the compute threads: a thread of the pool that waits takes over other work meanwhile, and
+    /// could then wait for a lock that it holds itself.
+    pub(crate) fn wait_turn(&self) -> MutexGuard<'_, ()> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Stores the edit for the next session.
+    pub(crate) fn store_edit(&self, levels: &LevelSpec, document: &Document) -> Result<(), ApiError> {
+        match &self.autosave {
+            Some(autosave) => autosave.write(levels, document),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Refuses an edit that is not newer than the present one, unless both are equal.
+pub(crate) fn check_revision(present: &Document, next: &Document) -> Result<(), ApiError> {
+    if next.revision > present.revision || next == present {
+        return Ok(());
+    }
+    let message = format!(
+        "the edit must be newer than revision {}, got revision {}; the shape was edited in another tab",
+        present.revision, next.revision
+    );
+    Err(ApiError::new(StatusCode::CONFLICT, message).with_fields(json!({"edit": present})))
+}
