@@ -10,6 +10,7 @@ import type {
   FieldInfo,
   LevelsAnswer,
   LevelsChoice,
+  OpenedName,
   Region,
   Shape,
   ShapeList,
@@ -79,7 +80,7 @@ export class Api {
     return this.json('shapes');
   }
 
-  open(file: Blob, name: string, signal: AbortSignal): Promise<{ id: number; name: string }> {
+  open(file: Blob, name: string, signal: AbortSignal): Promise<OpenedName> {
     return this.json(`shapes?name=${encodeURIComponent(name)}`, { method: 'POST', body: file, signal });
   }
 
@@ -180,15 +181,25 @@ export class Api {
     return this.json(`shapes/${id}/recipe`, { method: 'PUT', body: recipe, signal });
   }
 
-  save(id: number, name: string | null, replace: boolean): Promise<{ path: string; notes: string[] }> {
-    const body = JSON.stringify(name ? { name, replace } : { replace });
+  /** Saves the edit; `valueType` is the type of the numbers of an image or a volume, that of its file if `null`. */
+  save(
+    id: number,
+    name: string | null,
+    replace: boolean,
+    valueType: string | null = null,
+  ): Promise<{ path: string; notes: string[] }> {
+    const body = JSON.stringify({
+      ...(name ? { name } : {}),
+      replace,
+      ...(valueType ? { value_type: valueType } : {}),
+    });
     return this.json(`shapes/${id}/save`, { method: 'POST', body });
   }
 
-  async download(id: number, format: string): Promise<Blob> {
-    return (
-      await this.fetch(`shapes/${id}/download?format=${encodeURIComponent(format.toLowerCase())}`)
-    ).blob();
+  async download(id: number, format: string, valueType: string | null = null): Promise<Blob> {
+    const type = valueType ? `&value_type=${valueType}` : '';
+    const query = `format=${encodeURIComponent(format.toLowerCase())}${type}`;
+    return (await this.fetch(`shapes/${id}/download?${query}`)).blob();
   }
 
   denoise(id: number, strength: number): Promise<{ id: number; name: string; noise: number }> {

@@ -2,6 +2,7 @@
 
 import { h, segments } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
+import { unitOf } from './grid/grid-panel';
 import { formatNumber } from './lengths';
 import { openLevels } from './levels-dialog';
 import type { Level } from './protocol';
@@ -28,7 +29,7 @@ interface BandColumn {
 function setGain(studio: Studio, level: number, gain: number, step: boolean): void {
   studio.timings.startSliderTiming();
   // The colors of a field move once they are computed.
-  if (studio.target === null) studio.view.markMoving();
+  if (studio.target === null) studio.markMoving();
   const doc = studio.withGain(level, gain);
   if (step) {
     studio.history.preview(doc);
@@ -169,7 +170,7 @@ function enableCurveDrawing(
     last = { level: hit + 1, position: at };
     if (!doc) return;
     studio.timings.startSliderTiming();
-    if (studio.target === null) studio.view.markMoving();
+    if (studio.target === null) studio.markMoving();
     studio.history.preview(doc);
   };
   bands.addEventListener('pointerdown', (event) => {
@@ -258,6 +259,11 @@ export function equalizer(studio: Studio): HTMLElement {
     text.draw,
   );
   const whose = h('span', { class: 'whose' });
+  const axis = h('span', {}, text.axis);
+  studio.on('shape', () => {
+    const grid = studio.shape?.grid;
+    axis.textContent = grid ? text.gridAxis(unitOf(grid)) : text.axis;
+  });
   drawButton.addEventListener('click', () => {
     drawing = !drawing;
     drawButton.setAttribute('aria-pressed', String(drawing));
@@ -268,7 +274,8 @@ export function equalizer(studio: Studio): HTMLElement {
     presets.value = '';
     if (!preset) return;
     studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
-    const note = text.presetNotes[preset.name];
+    const notes = studio.isGrid ? text.gridPresetNotes : text.presetNotes;
+    const note = notes[preset.name];
     if (note) studio.showMessage(note);
   });
 
@@ -363,7 +370,7 @@ export function equalizer(studio: Studio): HTMLElement {
       'footer',
       {},
       h('span', {}, text.fine),
-      h('span', { class: 'axis' }, text.axis, h('span', { class: 'meter-legend' }, text.meters)),
+      h('span', { class: 'axis' }, axis, h('span', { class: 'meter-legend' }, text.meters)),
       h('span', {}, text.coarse),
     ),
   );

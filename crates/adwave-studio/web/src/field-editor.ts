@@ -128,7 +128,7 @@ export class FieldEditor {
   private take({ values, greatest, rms }: FieldAnswer, doc: Doc): void {
     this.values = values;
     if (!this.studio.solo) this.change = { greatest, rms };
-    this.studio.display.markShown(doc);
+    this.studio.shapeDisplay.markShown(doc);
     this.studio.emit('fieldEdited');
   }
 

@@ -25,7 +25,9 @@ export class Files {
 
   async showShape(id: number): Promise<void> {
     try {
-      await this.studio.session.open(this.fetchShape(this.studio.api, id));
+      const opened = this.studio.shapes.shapes.find((s) => s.id === id);
+      const { domain } = opened ?? { domain: 'shape' as const };
+      await this.studio.session.open(this.fetchShape(this.studio.api, { id, domain }));
     } catch (error) {
       this.studio.showMessage((error as Error).message, 'error');
     }
@@ -53,7 +55,7 @@ export class Files {
       return;
     }
     await this.reportErrors(async () => {
-      if (studio.shape && VALUES.test(file.name)) {
+      if (studio.shape && !studio.isGrid && VALUES.test(file.name)) {
         await this.addFields(file);
         return;
       }
@@ -70,7 +72,8 @@ export class Files {
     try {
       return await studio.wait(text.reading(file.name), (signal) => studio.api.open(file, file.name, signal));
     } catch (error) {
-      if (!studio.shape || !(error instanceof ApiError) || error.status !== 400) throw error;
+      const takesFields = studio.shape && !studio.isGrid;
+      if (!takesFields || !(error instanceof ApiError) || error.status !== 400) throw error;
       try {
         await this.addFields(file);
       } catch (reason) {
@@ -132,19 +135,19 @@ export class Files {
     chooseFile('', (file) => void this.openFile(file));
   }
 
-  async save(name: string | null = null, replace = false): Promise<void> {
+  async save(name: string | null = null, replace = false, valueType: string | null = null): Promise<void> {
     const { studio } = this;
     if (!studio.shape) return;
     const { id } = studio.shape;
     await this.reportErrors(async () => {
       try {
         await studio.saver?.waitUntilSent();
-        const { path, notes } = await studio.api.save(id, name, replace);
+        const { path, notes } = await studio.api.save(id, name, replace, valueType);
         if (studio.isTurned) notes.push(text.savedInward);
         studio.showMessage([text.saved(path), ...notes].join(' '));
       } catch (error) {
         if (!(error instanceof ApiError) || !(error.body as { exists?: boolean } | null)?.exists) throw error;
-        const again = { label: text.replaceFile, onclick: () => void this.save(name, true) };
+        const again = { label: text.replaceFile, onclick: () => void this.save(name, true, valueType) };
         studio.showMessage(error.message, 'error', again);
       }
     });
@@ -186,7 +189,11 @@ export class Files {
 
   async picture(): Promise<void> {
     await this.reportErrors(async () => {
-      const { view } = this.studio;
+      const { view, isGrid, gridView } = this.studio;
+      if (isGrid) {
+        download(await gridView.picture(), `${this.stem}.png`);
+        return;
+      }
       // The buffer of the canvas holds the picture only until the end of the task that drew it.
       view.draw();
       const legend = document.querySelector<HTMLElement>('.legend');
@@ -210,10 +217,12 @@ export class Files {
       h(
         'div',
         { class: 'row narrow-only' },
-        button(text.tools, () => {
-          close();
-          this.openTools();
-        }),
+        shape.grid
+          ? null
+          : button(text.tools, () => {
+              close();
+              this.openTools();
+            }),
         button(text.theme, () => this.studio.toggleTheme()),
       ),
       h('h3', {}, text.quit),
@@ -256,24 +265,38 @@ export class Files {
     );
   }
 
+  /** Creates the choice of the type of numbers of an image or a volume: that of its file, or 32-bit numbers. */
+  private numberType(): HTMLSelectElement | null {
+    const { shape } = this.studio;
+    if (!shape?.grid) return null;
+    const own = text.numberTypes[shape.grid.value_type] ?? shape.grid.value_type;
+    return h(
+      'select',
+      { 'aria-label': text.numberType },
+      h('option', { value: '' }, text.numbersOfFile(own)),
+      h('option', { value: 'f32' }, text.numberTypes['f32']!),
+    );
+  }
+
   private saveSection(close: () => void): Node[] {
     const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
     let replace = false;
+    const type = this.numberType();
     const save = () => {
       close();
-      void this.save(name.value.trim() || null, replace);
+      void this.save(name.value.trim() || null, replace, type?.value || null);
     };
     return [
       h('h3', {}, text.save),
       h('p', {}, text.saveNote),
-      h('div', { class: 'row' }, name, button(text.save, save, 'primary')),
+      h('div', { class: 'row' }, name, type, button(text.save, save, 'primary')),
       check(text.saveReplace, false, (on) => {
         replace = on;
       }),
     ];
   }
 
-  private downloadSection(shape: Shape, close: () => void): Node[] {
+  private downloadSection(shape: Shape, close: () => void): (Node | null)[] {
     const { studio } = this;
     const format = h(
       'select',
@@ -282,30 +305,41 @@ export class Files {
     );
     const current = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
     if (current) format.value = current;
+    const type = this.numberType();
     const downloadShape = () =>
       void this.reportErrors(async () => {
         await studio.saver?.waitUntilSent();
         const id = format.value.toLowerCase();
-        const extension = id === 'gifti' ? 'gii' : id.replace('-ascii', '');
-        download(await studio.api.download(shape.id, id), `${this.stem}-edited.${extension}`);
+        const usual = id === 'gifti' ? 'gii' : id.replace('-ascii', '');
+        const extension = shape.grid?.extensions[id] ?? usual;
+        const content = await studio.api.download(shape.id, id, type?.value || null);
+        download(content, `${this.stem}-edited.${extension}`);
       });
     return [
       h('h3', {}, text.downloads),
-      h('div', { class: 'row' }, format, button(text.download, downloadShape)),
+      h('div', { class: 'row' }, format, type, button(text.download, downloadShape)),
       h(
         'div',
         { class: 'row' },
         button(text.picture, () => void this.picture()),
-        button(text.viewFile, () => {
-          const view = JSON.stringify(studio.shownView?.get());
-          download(new Blob([view], { type: 'application/json' }), `${this.stem}.view.json`);
-        }),
-        button(text.pageGo, () => {
-          close();
-          void this.page();
-        }),
+        ...(shape.grid ? [] : this.shapeDownloads(close)),
       ),
-      h('p', { class: 'hint' }, text.pageNote),
+      shape.grid ? null : h('p', { class: 'hint' }, text.pageNote),
+    ];
+  }
+
+  /** Creates the downloads of shapes alone: the view, and a page with sliders. */
+  private shapeDownloads(close: () => void): Node[] {
+    const { studio } = this;
+    return [
+      button(text.viewFile, () => {
+        const view = JSON.stringify(studio.shownView?.get());
+        download(new Blob([view], { type: 'application/json' }), `${this.stem}.view.json`);
+      }),
+      button(text.pageGo, () => {
+        close();
+        void this.page();
+      }),
     ];
   }
 

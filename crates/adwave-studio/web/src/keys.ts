@@ -10,13 +10,14 @@ import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
 
-export function showKeys(): void {
+export function showKeys(isGrid: boolean): void {
+  const list = isGrid ? text.gridKeyList : text.keyList;
   dialog(
     text.keys,
     h(
       'dl',
       { class: 'keys' },
-      ...text.keyList.flatMap(([keys, what]) => [
+      ...list.flatMap(([keys, what]) => [
         h('dt', {}, ...keys.split(' ').map((k) => h('kbd', {}, k))),
         h('dd', {}, what),
       ]),
@@ -25,6 +26,10 @@ export function showKeys(): void {
     h('p', {}, text.license),
     h('p', {}, h('a', { href: 'third-party-notices.txt', target: '_blank', rel: 'noopener' }, text.notices)),
   );
+}
+
+function focusSliders(): void {
+  document.querySelector<HTMLInputElement>('.band input.gain:not(:disabled)')?.focus();
 }
 
 export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, files: Files): void {
@@ -48,11 +53,20 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       return;
     }
     if (typing || e.altKey || document.querySelector('dialog[open]')) return;
+    if (studio.isGrid) {
+      if (key === '?') showKeys(true);
+      else if (key === '\\') studio.setBefore(true);
+      else if (key === 'f') studio.gridView.fitAll();
+      else if (key === 'e') focusSliders();
+      else return;
+      e.preventDefault();
+      return;
+    }
     const number = (e.code.match(/^(?:Digit|Numpad)([137])$/) ?? [])[1] as keyof typeof views | undefined;
     if (number) {
       view.camera.look(views[number][e.shiftKey ? 1 : 0]);
       view.markMoving();
-    } else if (e.key === '?') showKeys();
+    } else if (e.key === '?') showKeys(false);
     else if (e.key === '\\') studio.setBefore(true);
     else if (key === 'b') studio.setTool(studio.isBrushOn ? 'look' : 'brush');
     else if (key === 'p') studio.setTool(studio.isGrabOn ? 'look' : 'grab');
@@ -76,8 +90,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       view.camera.frame();
       view.markMoving();
     } else if (key === 'l') studio.addLayer(text.layerName(studio.layers.length + 1), null);
-    else if (key === 'e')
-      document.querySelector<HTMLInputElement>('.band input.gain:not(:disabled)')?.focus();
+    else if (key === 'e') focusSliders();
     else if (key === ',' || key === '.') {
       const { layers } = studio;
       const i = layers.indexOf(studio.layer) + (key === '.' ? 1 : -1);

@@ -7,6 +7,7 @@ import { h, iconButton } from './dom';
 import { equalizer } from './equalizer';
 import { Files } from './files';
 import { Gizmo } from './gizmo';
+import { gridPanel } from './grid/grid-panel';
 import { listenToKeys, showKeys } from './keys';
 import { layersPanel } from './layers-panel';
 import { type LookPanel, lookPanel } from './look-panel';
@@ -98,6 +99,16 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
     before.setAttribute('aria-pressed', String(view.showsOriginal));
     split.setAttribute('aria-pressed', String(view.split !== null));
   });
+  const tools = h(
+    'button',
+    { type: 'button', class: 'wide-only', onclick: () => files.openTools() },
+    text.tools,
+  );
+  studio.on('shape', () => {
+    // Of an image or a volume there is nothing to compare, to wipe or to report yet.
+    split.hidden = studio.isGrid;
+    tools.hidden = studio.isGrid;
+  });
   const bar = h(
     'header',
     { class: 'bar' },
@@ -106,8 +117,13 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
     saving,
     h('span', { class: 'group' }, undo, redo),
     h('span', { class: 'group' }, before, split),
-    h('span', { class: 'group' }, themeButton(studio), iconButton('help', text.help, showKeys)),
-    h('button', { type: 'button', class: 'wide-only', onclick: () => files.openTools() }, text.tools),
+    h(
+      'span',
+      { class: 'group' },
+      themeButton(studio),
+      iconButton('help', text.help, () => showKeys(studio.isGrid)),
+    ),
+    tools,
     h('button', { type: 'button', class: 'primary', onclick: () => files.openMenu() }, text.file),
   );
   return { bar, badge };
@@ -190,7 +206,10 @@ type Tab = keyof typeof text.tabs;
  * Creates the tabs that choose a panel: beside the picture one of the layers, the brush and the view; on narrow screens below
  * it, with the bands as a fourth.
  */
-function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet: HTMLElement } {
+function panelTabs(
+  studio: Studio,
+  app: HTMLElement,
+): { side: HTMLElement; sheet: HTMLElement; choose: () => void } {
   const show = (tab: Tab) => {
     app.dataset['tab'] = tab;
     if (tab !== 'equalizer') app.dataset['side'] = tab;
@@ -219,12 +238,13 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
     );
     buttons.push(...made);
     const onkeydown = (event: KeyboardEvent) => {
-      const at = made.indexOf(event.target as HTMLButtonElement);
+      const shown = made.filter((b) => !b.hidden);
+      const at = shown.indexOf(event.target as HTMLButtonElement);
       const next = { ArrowLeft: at - 1, ArrowRight: at + 1, Home: 0, End: -1 }[event.key];
       if (next === undefined) return;
       event.preventDefault();
       event.stopPropagation();
-      const button = made.at(next % made.length)!;
+      const button = shown.at(next % shown.length)!;
       button.click();
       button.focus();
     };
@@ -232,8 +252,8 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
     const list = h('div', { role: 'tablist', ...label, onkeydown }, ...made);
     return h('nav', { class: `${group}-tabs`, ...label }, list);
   };
-  const side = bar('side', ['layers', 'brush', 'look']);
-  const sheet = bar('sheet', ['equalizer', 'layers', 'brush', 'look']);
+  const side = bar('side', ['layers', 'brush', 'look', 'grid']);
+  const sheet = bar('sheet', ['equalizer', 'layers', 'brush', 'look', 'grid']);
   show('layers');
   show('equalizer');
   let brushWasOn = false;
@@ -247,7 +267,18 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
     }
     brushWasOn = isOn;
   });
-  return { side, sheet };
+  /** Shows the tabs of a shape, or those of an image or a volume, and one that is among them. */
+  const choose = () => {
+    for (const b of buttons) {
+      const isOfGrid = b.dataset['tab'] === 'grid';
+      b.hidden = b.dataset['tab'] !== 'equalizer' && isOfGrid !== studio.isGrid;
+    }
+    const shown = app.dataset['tab'] as Tab;
+    const isFit = (app.dataset['side'] === 'grid') === studio.isGrid;
+    if (!isFit) show(studio.isGrid ? 'grid' : 'layers');
+    if (!isFit && shown === 'equalizer') show('equalizer');
+  };
+  return { side, sheet, choose };
 }
 
 /** Sets the title of the page and shows messages about a newly opened shape. */
@@ -256,9 +287,13 @@ function announceShapes(studio: Studio): void {
   studio.on('shape', () => {
     const shape = studio.shape!;
     document.title = `${shape.name} – ${text.title}`;
-    if (!localStorage.getItem('adwave-visited')) studio.showMessage(text.firstVisit);
+    if (!localStorage.getItem('adwave-visited'))
+      studio.showMessage(
+        !shape.grid ? text.firstVisit : shape.kind === 'image' ? text.firstImage : text.firstVolume,
+      );
     localStorage.setItem('adwave-visited', 'yes');
-    if (shape.resumed && !announced.has(shape.id)) studio.showMessage(text.resumed);
+    if (shape.resumed && !announced.has(shape.id))
+      studio.showMessage(shape.grid ? text.gridResumed : text.resumed);
     if (facesPointInward(shape) && !studio.isTurned) {
       const turn = () => {
         studio.setTurned(true);
@@ -287,7 +322,7 @@ async function openFirstShape(
       return;
     }
     const opened = studio.session.open(first);
-    void first.positions.then(() => loading.remove());
+    void first.positions.then((positions) => positions.length > 0 && loading.remove());
     await opened;
     await studio.display.waitUntilSettled();
   } catch (error) {
@@ -312,26 +347,37 @@ export function start(options: StartOptions): void {
   const worker = new Worker(new URL('./compute/compute.worker.ts', import.meta.url), { type: 'module' });
   const studio = new Studio(options.api, view, worker, messages.showMessage);
   studio.on(['doc', 'selected', 'tool', 'target', 'shape', 'levels'], messages.goOn);
-  const stage = new Stage(studio, canvas);
-  const look = lookPanel(studio, stage);
+  const stage = studio.forShapes(() => new Stage(studio, canvas));
+  const look = studio.forShapes(() => lookPanel(studio, stage));
   const files = new Files(studio, options.fetchShape);
   const { saving, banner } = saveStatus(studio, files);
   const { bar, badge } = topBar(studio, files, look, saving);
   const loading = h('p', { class: 'loading' }, text.loading);
+  const ofShapes = studio.forShapes(() => [
+    h(
+      'div',
+      { class: 'of-shapes' },
+      canvas,
+      new Gizmo(studio, stage).element,
+      look.divider,
+      look.readouts,
+      look.card,
+      look.legend,
+      look.frames,
+      toolbar(studio),
+      scaleBar(view),
+      comparisonPanel(studio),
+      studio.beside.labels(),
+    ),
+    h('div', { class: 'of-shapes' }, layersPanel(studio), brushPanel(studio), look.panel),
+  ]);
+  const { gridView } = studio;
+  const ofGrids = [gridView.element, h('div', { class: 'of-shapes' }, gridPanel(studio, gridView))];
   const scene = h(
     'main',
     { class: 'stage' },
-    canvas,
-    new Gizmo(studio, stage).element,
-    look.divider,
-    look.readouts,
-    look.card,
-    look.legend,
-    look.frames,
-    toolbar(studio),
-    scaleBar(view),
-    comparisonPanel(studio),
-    studio.beside.labels(),
+    ofShapes[0],
+    ofGrids[0],
     badge,
     banner,
     waitNotice(studio),
@@ -343,14 +389,7 @@ export function start(options: StartOptions): void {
     bar,
     scene,
     equalizer(studio),
-    h(
-      'aside',
-      { class: 'side', 'aria-label': text.panels },
-      tabs.side,
-      layersPanel(studio),
-      brushPanel(studio),
-      look.panel,
-    ),
+    h('aside', { class: 'side', 'aria-label': text.panels }, tabs.side, ofShapes[1], ofGrids[1]),
     tabs.sheet,
   );
   const fit = () => {
@@ -362,6 +401,14 @@ export function start(options: StartOptions): void {
     scene.classList.toggle('below', view.halves === 'below');
   };
   studio.on('beside', divide);
+  const showDomain = () => {
+    app.dataset['domain'] = studio.isGrid ? 'grid' : 'shape';
+    for (const part of ofShapes) part.hidden = studio.isGrid;
+    for (const part of ofGrids) part.hidden = !studio.isGrid;
+    tabs.choose();
+  };
+  studio.showDomain = showDomain;
+  showDomain();
   new ResizeObserver(fit).observe(scene);
   fit();
   listenToKeys(studio, stage, look, files);
@@ -397,6 +444,7 @@ function themeButton(studio: Studio): HTMLButtonElement {
     const theme: Theme = chosen ?? (dark.matches ? 'dark' : 'light');
     document.documentElement.dataset['theme'] = theme;
     studio.view.setTheme(theme);
+    studio.emit('theme');
   };
   dark.addEventListener('change', apply);
   apply();

@@ -123,6 +123,42 @@ export interface FieldName {
   series?: { name: string; step: number | null } | null;
 }
 
+/** Slice of a volume on the screen, or a whole image. */
+export interface SliceView {
+  name: string;
+  /** Axis that is fixed in a slice; `null` for an image. */
+  fixed: number | null;
+  /** Axes that run down and to the right. */
+  axes: [number, number];
+  /** True for an axis whose index grows upward, or to the left. */
+  flips: [boolean, boolean];
+  /** Names of the directions at the left, right, lower and upper edge; empty without names. */
+  edges: [string, string, string, string];
+}
+
+/** Places of an image or a volume; lists have an entry for each axis. */
+export interface GridInfo {
+  sizes: number[];
+  spacings: number[];
+  axes: string[];
+  origin: [number, number, number];
+  steps: [number, number, number][];
+  unit: string | null;
+  views: SliceView[];
+  n_channels: number;
+  value_type: string;
+  n_missing: number;
+  /** Largest and root mean square change by the stored edit. */
+  change: { greatest: number; rms: number };
+  /** True if the values are heights of a map. */
+  terrain: boolean;
+  /** Spacings in the unit of the heights. */
+  height_spacings: number[];
+  range: { least: number; greatest: number; low: number; high: number };
+  /** Endings of file names by the names of the formats that can be written. */
+  extensions: Record<string, string>;
+}
+
 export interface Shape {
   id: number;
   name: string;
@@ -144,6 +180,8 @@ export interface Shape {
   fields: FieldName[];
   presets: { name: string; gains: number[] }[];
   resumed: boolean;
+  /** Places of an image or a volume; none for a shape. */
+  grid?: GridInfo;
 }
 
 /** True if the faces of a closed surface point inward, so that its volume is negative. */
@@ -179,9 +217,16 @@ export interface ReadableFormat {
   extensions: string[];
 }
 
+/** What is open in a tab. */
+export interface OpenedName {
+  id: number;
+  name: string;
+  domain: 'shape' | 'grid';
+}
+
 export interface ShapeList {
   version: string;
-  shapes: { id: number; name: string }[];
+  shapes: OpenedName[];
 }
 
 export type CompareMethod = 'taubin' | 'harmonics';

@@ -30,8 +30,13 @@ export class Session {
     studio.saver?.close();
     const [shape, positions, triangles] = await Promise.all([early.shape, early.positions, early.triangles]);
     if (generation !== this.generation) return;
+    if (shape.grid) {
+      await this.openGrid(shape, generation);
+      return;
+    }
     if (positions.length === 0) throw new Error(text.noPositions(shape.name));
     studio.shape = shape;
+    studio.showDomain();
     sessionStorage.setItem('adwave-shape', String(shape.id));
     const cloud = triangles.length === 0;
     view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
@@ -77,6 +82,35 @@ export class Session {
     void studio.engine.call('warm', {});
   }
 
+  /** Opens an image or a volume: its panes load values and bands as they are seen. */
+  private async openGrid(shape: Shape, generation: number): Promise<void> {
+    const { studio } = this;
+    const edit = await fetchEditAfterReload(studio.api, shape.id);
+    if (generation !== this.generation) return;
+    studio.shape = shape;
+    sessionStorage.setItem('adwave-shape', String(shape.id));
+    studio.tool = 'look';
+    studio.resetForShape();
+    studio.displacement = { ...shape.grid!.change, volume: null };
+    this.startEditing(fromEdit(edit, shape.levels.length, docLevels(shape)), edit.revision);
+    restoreHistory(shape, studio.history);
+    studio.showDomain();
+    const opened = studio.gridView.open(shape.grid!);
+    studio.emit('shape');
+    this.markBandsReady();
+    await opened;
+    if (generation === this.generation) studio.timings.records.slidersLive = performance.now();
+  }
+
+  /** Enables the sliders of an image or a volume. */
+  private markBandsReady(): void {
+    const { studio } = this;
+    for (let level = 1; level <= studio.nLevels; level++) studio.loadedBands.add(level);
+    studio.isEditShown = true;
+    studio.emit('levels');
+    studio.emit('band');
+  }
+
   /** Shows the edit once its bands are there. Until then its sliders wait: the picture is not that of their gains. */
   private async showEdit(generation: number): Promise<void> {
     const { studio } = this;
@@ -94,7 +128,7 @@ export class Session {
     const { shape, history, saver } = this.studio;
     if (!shape || !saver) return;
     storeHistory(shape, history);
-    if (this.studio.shownView) rememberView(shape, this.studio.shownView.get());
+    if (this.studio.shownView && !shape.grid) rememberView(shape, this.studio.shownView.get());
   }
 
   /** Starts editing a document of the server; further steps are saved there. */
@@ -113,7 +147,7 @@ export class Session {
     if (moved) {
       studio.displacement = moved;
       studio.emit('moved');
-      if (needsServer(studio.doc, studio.shape!)) studio.display.settle();
+      if (!studio.isGrid && needsServer(studio.doc, studio.shape!)) studio.display.settle();
       void studio.fieldEditor.refine().catch(() => {});
     }
     studio.emit('saving');
@@ -194,12 +228,20 @@ export class Session {
     // The bands of an edited field are of other levels too.
     studio.fieldEditor.close();
     studio.solo = null;
-    studio.view.setLevels(levels.length);
-    studio.view.arrays.setUnedited();
+    if (!studio.isGrid) {
+      studio.view.setLevels(levels.length);
+      studio.view.arrays.setUnedited();
+    }
     step({ ...answer, levels: docLevels(studio.shape) });
-    studio.isEditShown = isNeutral(studio.doc);
-    studio.emit('levels');
-    await this.readLevels();
+    if (studio.isGrid) {
+      studio.gridView.reload();
+      this.markBandsReady();
+      await studio.gridView.waitUntilSettled();
+    } else {
+      studio.isEditShown = isNeutral(studio.doc);
+      studio.emit('levels');
+      await this.readLevels();
+    }
     // Presets and fields depend on the number of levels.
     const { presets, fields } = await studio.api.shape(studio.shape.id);
     studio.shape = { ...studio.shape, presets, fields };

@@ -9,6 +9,7 @@ import { Display } from './display';
 import { effectOf } from './effects';
 import { Engine } from './engine';
 import { FieldEditor, keysOf } from './field-editor';
+import { GridView } from './grid/grid-view';
 import { formatCount } from './lengths';
 import { Masks } from './masks';
 import { facesPointInward, type Region, type Shape, type ShapeList } from './protocol';
@@ -59,9 +60,21 @@ export type Topic =
   | 'beside'
   | 'camera'
   | 'solo'
-  | 'turned';
+  | 'turned'
+  | 'theme';
 
 export type PointerTool = 'look' | 'brush' | 'grab';
+
+/** Shows the document: the picture of a shape, or the panes of an image or a volume. */
+export interface Shown {
+  /** Shows the present document, after a step or during a gesture. */
+  show(step: boolean): void;
+  /** Shows what is soloed or edited now. */
+  showTarget(step: boolean): void;
+  settle(): void;
+  waitUntilSettled(): Promise<void>;
+  readonly isCurrent: boolean;
+}
 
 /** A link at the end of a message. */
 export interface MessageLink {
@@ -120,6 +133,8 @@ export class Studio {
   showField: (name: string) => void = () => {};
   /** Chooses an entry of the list of colors; set by the view. */
   showColors: (name: string) => void = () => {};
+  /** Shows the parts of the page for shapes, or those for images and volumes; set by the page. */
+  showDomain: () => void = () => {};
   /** Changes between light and dark; set by the bar. */
   toggleTheme: () => void = () => {};
   /** Camera, shading and colors; set by the panel of the view. */
@@ -129,7 +144,9 @@ export class Studio {
   readonly regions = new Regions();
   readonly detail = new DetailTransfer(this);
   readonly session = new Session(this);
-  readonly display: Display;
+  readonly shapeDisplay: Display;
+  /** Panes of images and volumes. */
+  readonly gridView: GridView;
   readonly fieldEditor = new FieldEditor(this);
   readonly beside: Beside;
   /** True if the mask of the selected layer is tinted; for layers of an effect, which show it, by its own switch. */
@@ -141,7 +158,8 @@ export class Studio {
   /** Receives the next clicked vertex instead of the default action. */
   private picked: ((vertex: number) => void) | null = null;
   private withdrawRequest = () => {};
-  private readonly listeners = new Map<Topic, (() => void)[]>();
+  private readonly listeners = new Map<Topic, { listener: () => void; forShapes: boolean }[]>();
+  private registersForShapes = false;
   readonly masks: Masks;
 
   constructor(
@@ -163,20 +181,46 @@ export class Studio {
     });
     this.engine = new Engine(worker, (event) => this.handleWorkerEvent(event));
     this.masks = new Masks(view.arrays);
-    this.display = new Display(this, this.masks);
+    this.shapeDisplay = new Display(this, this.masks);
+    this.gridView = new GridView(this);
     this.beside = new Beside(this);
   }
 
   on(topics: Topic | Topic[], listener: () => void): void {
     for (const topic of [topics].flat()) {
       const list = this.listeners.get(topic) ?? [];
-      list.push(listener);
+      list.push({ listener, forShapes: this.registersForShapes });
       this.listeners.set(topic, list);
     }
   }
 
+  /** Builds a part of the page for shapes: its listeners are not called while an image or a volume is open. */
+  forShapes<T>(build: () => T): T {
+    this.registersForShapes = true;
+    try {
+      return build();
+    } finally {
+      this.registersForShapes = false;
+    }
+  }
+
   emit(topic: Topic): void {
-    for (const listener of this.listeners.get(topic) ?? []) listener();
+    for (const { listener, forShapes } of this.listeners.get(topic) ?? [])
+      if (!forShapes || !this.isGrid) listener();
+  }
+
+  /** True while an image or a volume is open. */
+  get isGrid(): boolean {
+    return this.shape?.grid !== undefined;
+  }
+
+  get display(): Shown {
+    return this.isGrid ? this.gridView : this.shapeDisplay;
+  }
+
+  /** Draws the picture of a shape with less detail for a moment, because it moves. */
+  markMoving(): void {
+    if (!this.isGrid) this.view.markMoving();
   }
 
   get isBrushOn(): boolean {
@@ -287,7 +331,7 @@ export class Studio {
 
   /** Resets the state that depends on the shape. */
   resetForShape(): void {
-    this.masks.reset(this.shape!.n_vertices);
+    this.masks.reset(this.isGrid ? 0 : this.shape!.n_vertices);
     this.regions.markUnknown();
     this.loadedBands.clear();
     this.displacement = null;
@@ -351,6 +395,7 @@ export class Studio {
   }
 
   updateTint(): void {
+    if (this.isGrid) return;
     const slot = this.masks.slot(this.selected);
     // Comparisons are shown without tint.
     this.view.setTint(this.tint[this.tintKind] && slot >= 0 && !this.comparison ? slot : null);
@@ -367,7 +412,7 @@ export class Studio {
   setBefore(on: boolean): void {
     if (this.view.showsOriginal === on) return;
     this.view.showsOriginal = on;
-    this.view.request();
+    if (!this.isGrid) this.view.request();
     this.emit('before');
   }
 
@@ -466,7 +511,7 @@ export class Studio {
   setSolo(level: number): void {
     const { solo, selected: key } = this;
     this.solo = solo?.key === key && solo.level === level ? null : { key, level };
-    this.view.markMoving();
+    this.markMoving();
     this.display.showTarget(true);
     this.emit('solo');
   }

@@ -24,6 +24,8 @@ export interface TestHooks {
   maskCount(): Promise<number>;
   /** Returns the displayed values of the field that is edited; `null` if the positions are. */
   fieldValues(): Promise<Float32Array | null>;
+  /** Edited values of the panes of an image or a volume after all computation has finished, as they are loaded. */
+  planes(): Promise<Float32Array[]>;
   /** Name of the WebGL renderer. */
   renderer: string;
 }
@@ -62,6 +64,10 @@ export function installTestHooks(studio: Studio, ready: Promise<void>): void {
     fieldValues: async () => {
       await studio.fieldEditor.waitUntilShown();
       return studio.fieldEditor.values;
+    },
+    planes: async () => {
+      await studio.gridView.waitUntilSettled();
+      return studio.gridView.editedPlanes;
     },
     saved: () => (isSaved() ? Promise.resolve() : new Promise((resolve) => waiters.push(resolve))),
     renderer: studio.view.rendererName,
