@@ -91,6 +91,8 @@ PAGES = {
 }
 #: Pages that are made here, with the links relative to the root of the repository.
 MADE = ("gallery.md", "rust.md")
+#: Pages that are made, by the files that make them, to which links of the repository lead.
+MAKERS = {"site/gallery.py": "gallery.md"}
 #: Environment variable with the folder that rustdoc wrote to, if the Rust reference is part of the site.
 RUSTDOC = "ADWAVE_RUSTDOC"
 
@@ -207,8 +209,8 @@ def on_files(files: Files, *, config: Any) -> Files:
 
 def site_path(path: str) -> str | None:
     """Path in the site of a file of the repository; None if it is not part of the site."""
-    if path in PAGES:
-        return PAGES[path]
+    if path in PAGES or path in MAKERS:
+        return PAGES.get(path) or MAKERS[path]
     return path.removeprefix("docs/") if path.startswith("docs/") else None
 
 

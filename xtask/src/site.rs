@@ -60,12 +60,17 @@ fn rust_reference() -> Result<PathBuf, String> {
     let folder = target().join("doc");
     // The references of other crates would be found by its search.
     let _ = std::fs::remove_dir_all(&folder);
-    let mut words =
-        vec!["doc".to_owned(), "--no-deps".to_owned(), "--locked".to_owned(), "--quiet".to_owned()];
-    for name in published_crates()? {
-        words.extend(["--package".to_owned(), name]);
+    let names = published_crates()?;
+    // rustdoc makes a link to another crate only if that has a folder, which cargo removes while it writes the reference
+    // of that crate; so they are written one by one, among folders that are there.
+    for name in &names {
+        let place = folder.join(name.replace('-', "_"));
+        std::fs::create_dir_all(&place).map_err(|e| format!("cannot make {}: {e}", place.display()))?;
     }
-    cargo(&words.iter().map(String::as_str).collect::<Vec<_>>(), &[("RUSTDOCFLAGS", "-D warnings")])?;
+    let packages: Vec<&str> = names.iter().flat_map(|name| ["--package", name]).collect();
+    cargo(&[&["check", "--locked", "--quiet"][..], &packages].concat(), &[])?;
+    let words = [&["doc", "--no-deps", "--locked", "--quiet", "--jobs", "1"][..], &packages].concat();
+    cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])?;
     Ok(folder)
 }
 
