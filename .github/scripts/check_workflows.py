@@ -120,12 +120,25 @@ def recipe_faults(text: str, cargo: str, pyproject: str) -> list[str]:
     return faults
 
 
+def rendering_faults(path: Path) -> list[str]:
+    """Faults that rattler-build finds when it reads and renders the recipe with the compilers of conda-forge."""
+    from rattler_build import RattlerBuildError, Stage0Recipe, VariantConfig
+
+    variants = VariantConfig({"c_compiler": ["gcc"], "c_stdlib": ["sysroot"], "rust_compiler": ["rust"]})
+    try:
+        rendered = Stage0Recipe.from_file(str(path)).render(variants)
+    except (RattlerBuildError, ValueError) as error:
+        return [f"rattler-build: {error}"]
+    return [] if len(rendered) == 1 else [f"the recipe must give one package per system, got {len(rendered)}"]
+
+
 def main() -> int:
     faults, paths = [], sorted((ROOT / ".github/workflows").glob("*.yml"))
     for path in paths:
         faults += [f"{path.name}: {fault}" for fault in workflow_faults(path.read_text(encoding="utf-8"), ROOT)]
     texts = ("packaging/conda/recipe.yaml", "Cargo.toml", "bindings/python/pyproject.toml")
     faults += recipe_faults(*((ROOT / name).read_text(encoding="utf-8") for name in texts))
+    faults += rendering_faults(ROOT / "packaging/conda/recipe.yaml")
     print("\n".join(faults) or f"{len(paths)} workflows and the recipe of conda have no faults")
     return 1 if faults else 0
 

@@ -85,6 +85,13 @@ class Workflows(unittest.TestCase):
         faults = check_workflows.recipe_faults(recipe.replace("numpy >=1.22", "numpy >=2.9"), "", pyproject)
         self.assertTrue(any("numpy >=2.9" in fault for fault in faults), faults)
 
+    def test_a_recipe_that_cannot_be_rendered_is_found(self) -> None:
+        text = (check_workflows.ROOT / "packaging/conda/recipe.yaml").read_text(encoding="utf-8")
+        for old, new in (("schema_version: 1", "schema_version: 9"), ('compiler("rust")', "compiler(rust)")):
+            path = self.root / "recipe.yaml"
+            path.write_text(text.replace(old, new), encoding="utf-8")
+            self.assertTrue(check_workflows.rendering_faults(path), new)
+
 
 class Distributions(unittest.TestCase):
     """The files of a release."""
