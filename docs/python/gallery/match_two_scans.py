@@ -12,6 +12,7 @@ first = aw.sample("creature", vertices=12_000, noise=0.1)
 second = aw.sample("creature", vertices=15_000, noise=0.1, seed=2)
 second = second.with_points(second.points[:, [1, 2, 0]] + [0.3, -0.9, 0.2])
 found = aw.match(first, second)
+assert found.motion is not None  # it is None if no motion fits better than chance
 print(f"{len(found.pairs)} pairs of features; median distance of the surfaces {found.median:.4f}")
 
 # %%

@@ -24,7 +24,7 @@ features = (np.array(rows) - np.mean(rows, axis=0)) / np.std(rows, axis=0)
 u, s, _ = np.linalg.svd(features, full_matrices=False)
 
 # %%
-paint = np.array([[214, 93, 63], [60, 160, 110], [70, 100, 200]], np.uint8)
+paint = [(214, 93, 63), (60, 160, 110), (70, 100, 200)]
 marks = [(at, 0.55, paint[k]) for at, k in zip(u[:, :3] * s[:3], kind, strict=True)]
-picture = aw.render(u[:, :3] * s[:3], colors=paint[kind], balls=marks, size=(600, 360))
+picture = aw.render(u[:, :3] * s[:3], colors=np.array(paint, np.uint8)[kind], balls=marks, size=(600, 360))
 picture.save("tell_graphs_apart.png")
