@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Largest number of values; eight bands of so many take 3 GiB.
+/// Largest number of values; so many take 4 GiB with eight bands.
 const MAX_VALUES: usize = 1 << 25;
 /// Largest number of channels of an image: colors and their opacity.
 const MAX_CHANNELS: usize = 4;
@@ -150,8 +150,8 @@ impl GridSession {
         let signal = grid_signal(&self.file, &self.workspace.name)?;
         let resolved = levels.resolve(&self.decomposer, adwave::bands::DEFAULT_EXTENT);
         let n_levels = resolved.map_err(|e| StudioError::from_classified(&e))?.schedule.n_levels();
-        // What an editor holds: the bands, the signal, and the result with its change.
-        let bytes = 8 * (n_levels + 3) as u64 * signal.values.len() as u64;
+        // The bands, and the signal, the result and their copies while the bands are computed and saved.
+        let bytes = 8 * (n_levels + 8) as u64 * signal.values.len() as u64;
         if let Some(free) = adwave_io::free_memory().filter(|free| bytes > *free) {
             let gib = |bytes: u64| bytes as f64 / (1_u64 << 30) as f64;
             let text = format!(

@@ -4,21 +4,26 @@
  * `ADWAVE=…/target/release/adwave npx playwright test --project=times`
  */
 
+import { execFileSync } from 'node:child_process';
+import { mkdirSync } from 'node:fs';
 import { cpus } from 'node:os';
+import { join } from 'node:path';
 import { type Browser, expect, type Page, type Request, test } from '@playwright/test';
 import type { Edit } from '../src/protocol';
 import {
   collectErrors,
   drag,
   expectNoFailures,
+  openStudio,
   type Point,
   pictureFrame,
   startPainting,
   useTestBuild,
+  waitForBands,
   waitForStrokes,
   waitUntilReady,
 } from './support/page';
-import { creature, killStudio, OUT, startStudio } from './support/studio-server';
+import { ADWAVE, creature, killStudio, OUT, startStudio } from './support/studio-server';
 
 declare global {
   interface Window {
@@ -367,4 +372,40 @@ test('measurements', async ({ browser }) => {
   for (const name of Object.keys(first).filter((key) => key !== 'renderer'))
     console.log(`| ${name} | ${columns.map(([, column]) => column[name]).join(' | ')} |`);
   expectNoFailures(failures);
+});
+
+/** Longest time from a slider to the pixels of an image of 512² and of the slices of a volume of 256³, in milliseconds. */
+const SLIDER_OF_GRID = 50;
+
+/** Milliseconds from a movement of a slider to the pixels of an image or a volume: median of 40. */
+async function measureGrid(browser: Browser, name: string, arguments_: string[]): Promise<number> {
+  mkdirSync(OUT, { recursive: true });
+  const path = join(OUT, name);
+  execFileSync(ADWAVE, ['sample', ...arguments_, '--quiet', '-o', path]);
+  const studio = await openStudio(browser, 'grid-times', path);
+  const { page } = studio;
+  await waitForBands(page, 3);
+  await page.evaluate(() => window.studio.measure(true));
+  for (let k = 0; k < 40; k++) {
+    await page.evaluate(async (k) => {
+      const input = document.querySelectorAll<HTMLInputElement>('.band input.gain')[2]!;
+      input.value = String(20 + 4 * k);
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      await window.studio.planes();
+    }, k);
+  }
+  const { slider } = await timings(page);
+  expect(slider.length).toBeGreaterThan(30);
+  await studio.end();
+  return slider.sort((a, b) => a - b)[slider.length >> 1]!;
+}
+
+test('a slider of an image or a volume reaches the pixels soon', async ({ browser }) => {
+  const image = await measureGrid(browser, 'hills-512.tif', ['hills', '--vertices', `${512 ** 2}`]);
+  const volume = await measureGrid(browser, 'head-256.nii', ['head', '--vertices', `${256 ** 3}`]);
+  console.log(
+    `slider to pixels: image of 512² ${rounded(image, 1)} ms, volume of 256³ ${rounded(volume, 1)} ms`,
+  );
+  expect(image).toBeLessThan(SLIDER_OF_GRID);
+  expect(volume).toBeLessThan(SLIDER_OF_GRID);
 });

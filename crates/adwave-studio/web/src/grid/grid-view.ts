@@ -128,12 +128,17 @@ export class GridView implements Shown {
     this.request();
   }
 
+  /** Draws at once: the browser tells of a movement of a slider once for each frame, before it is shown. */
   show(): void {
-    this.request();
+    if (!this.grid) return;
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
+    this.draw();
+    this.release();
   }
 
   showTarget(): void {
-    this.request();
+    this.show();
   }
 
   settle(): void {

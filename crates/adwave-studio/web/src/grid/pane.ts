@@ -60,7 +60,7 @@ export class Pane {
         ]
       : [];
     this.element = h('div', { class: 'pane' }, this.canvas, ...edges);
-    this.context = this.canvas.getContext('2d')!;
+    this.context = this.canvas.getContext('2d', { willReadFrequently: true })!;
     this.listen();
   }
 
@@ -161,7 +161,7 @@ export class Pane {
       { ...shading, spacings: [perRow * step, perColumn * step] },
       image.data,
     );
-    picture.getContext('2d')!.putImageData(image, 0, 0);
+    picture.getContext('2d', { willReadFrequently: true })!.putImageData(image, 0, 0);
   }
 
   /** Draws the plane and the cross at these indices. */

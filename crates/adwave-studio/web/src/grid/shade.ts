@@ -82,34 +82,42 @@ function shadeColors(
 /** Brightness of a relief that is lit from the upper left at 45°, by Horn's differences. */
 function shadeRelief(
   { values, rows, columns, nChannels }: ShadedValues,
-  shading: Shading,
+  { spacings, height }: Shading,
   pixels: Uint32Array,
 ): void {
-  const { spacings, height } = shading;
   const [perRow, perColumn] = [height / (8 * spacings[0]), height / (8 * spacings[1])];
-  const light = Math.SQRT1_2;
-  const at = (r: number, c: number, centre: number) => {
-    const x = values[(r * columns + c) * nChannels]!;
-    return Number.isNaN(x) ? centre : x;
-  };
+  // A neighbor without data is as high as the place itself.
+  const known = (x: number, z: number) => (Number.isNaN(x) ? z : x);
   for (let r = 0; r < rows; r++) {
-    const [up, down] = [Math.max(0, r - 1), Math.min(rows - 1, r + 1)];
+    const row = r * columns;
+    const up = Math.max(0, r - 1) * columns;
+    const down = Math.min(rows - 1, r + 1) * columns;
     for (let c = 0; c < columns; c++) {
-      const i = r * columns + c;
-      const z = values[i * nChannels]!;
+      const z = values[(row + c) * nChannels]!;
       if (Number.isNaN(z)) {
-        pixels[i] = 0;
+        pixels[row + c] = 0;
         continue;
       }
-      const [left, right] = [Math.max(0, c - 1), Math.min(columns - 1, c + 1)];
-      const [a, b, d] = [at(up, left, z), at(up, c, z), at(up, right, z)];
-      const [e, f] = [at(r, left, z), at(r, right, z)];
-      const [g, k, m] = [at(down, left, z), at(down, c, z), at(down, right, z)];
-      const slopeX = (d + 2 * f + m - a - 2 * e - g) * perColumn;
-      const slopeY = (g + 2 * k + m - a - 2 * b - d) * perRow;
+      const left = c > 0 ? c - 1 : 0;
+      const right = c + 1 < columns ? c + 1 : c;
+      let upLeft = values[(up + left) * nChannels]!;
+      let above = values[(up + c) * nChannels]!;
+      let upRight = values[(up + right) * nChannels]!;
+      let before = values[(row + left) * nChannels]!;
+      let after = values[(row + right) * nChannels]!;
+      let downLeft = values[(down + left) * nChannels]!;
+      let below = values[(down + c) * nChannels]!;
+      let downRight = values[(down + right) * nChannels]!;
+      if (Number.isNaN(upLeft + above + upRight + before + after + downLeft + below + downRight)) {
+        [upLeft, above, upRight] = [known(upLeft, z), known(above, z), known(upRight, z)];
+        [before, after] = [known(before, z), known(after, z)];
+        [downLeft, below, downRight] = [known(downLeft, z), known(below, z), known(downRight, z)];
+      }
+      const slopeX = (upRight + 2 * after + downRight - upLeft - 2 * before - downLeft) * perColumn;
+      const slopeY = (downLeft + 2 * below + downRight - upLeft - 2 * above - upRight) * perRow;
       // The light comes from (−½, −½, 1/√2): left, up and above.
-      const lit = (0.5 * (slopeX + slopeY) + light) / Math.sqrt(1 + slopeX * slopeX + slopeY * slopeY);
-      pixels[i] = GRAYS[lit <= 0 ? 0 : Math.min(255, (255 * lit + 0.5) | 0)]!;
+      const lit = (0.5 * (slopeX + slopeY) + Math.SQRT1_2) / Math.sqrt(1 + slopeX * slopeX + slopeY * slopeY);
+      pixels[row + c] = GRAYS[lit <= 0 ? 0 : lit >= 1 ? 255 : (255 * lit + 0.5) | 0]!;
     }
   }
 }
