@@ -42,7 +42,7 @@ fn conditions_of_calls(source: &str) -> Vec<(usize, String)> {
     for (k, line) in source.lines().enumerate() {
         let line = line.trim();
         if let Some(rest) = line.strip_prefix("#[cfg(").or_else(|| line.strip_prefix("#![cfg(")) {
-            condition = rest.strip_suffix(")]").unwrap_or(rest).to_owned();
+            rest.strip_suffix(")]").unwrap_or(rest).clone_into(&mut condition);
         } else if line.contains("libc::") && !line.starts_with("//") {
             found.push((k + 1, condition.clone()));
         }
