@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 /// Folders at the root of the repository. Text in backticks that begins with one of them is a path.
-const ROOTS: [&str; 6] = ["benches/", "bindings/", "crates/", "docs/", "fuzz/", "xtask/"];
+const ROOTS: [&str; 9] =
+    ["benches/", "bindings/", "crates/", "docs/", "fuzz/", "integrations/", "packaging/", "site/", "xtask/"];
 
 /// Markdown file.
 struct Document {
