@@ -16,7 +16,8 @@ use adwave::region::{Length, Region};
 use adwave::shape::{Graph, Shape};
 use adwave::{Decomposer, ErrorKind, LevelSpec, Progress};
 use adwave_io::{
-    Format, GRID_VALUES, GridLayout, NamedSignal, Recipe, ShapeFile, SignalSource, named_signal, parse_recipe,
+    CoordinateSystem, Format, GRID_VALUES, GridLayout, NamedSignal, Recipe, ShapeFile, SignalSource,
+    named_signal, parse_recipe,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -312,7 +313,7 @@ impl GridSession {
     /// Distances of rows and columns in the unit of heights, for the shading of a terrain.
     fn height_spacings(&self) -> Vec<f64> {
         let layout = self.layout();
-        if !self.file.coordinate_system().is_some_and(|system| system.is_geographic()) {
+        if !self.file.coordinate_system().is_some_and(CoordinateSystem::is_geographic) {
             return layout.spacings.clone();
         }
         let latitude = layout.position(layout.n_places() / 2)[1].clamp(-89.0, 89.0).to_radians();

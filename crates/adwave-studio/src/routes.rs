@@ -182,22 +182,24 @@ async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 
 async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
     enum Levels {
-        Shape(PreparedShape),
-        Grid(GridBands),
+        Shape(Box<PreparedShape>),
+        Grid(Box<GridBands>),
     }
     let compute = move |opened: &Opened, progress: Progress<'_>| {
         let request: LevelsRequest = parse_body(&body, "choice of bands")?;
         Ok(match opened {
             Opened::Shape(session) => {
                 let (shape, walk) = (&session.shape, session.walk_decomposer()?);
-                Levels::Shape(PreparedShape::with_requested_levels(shape, walk, &request, progress)?)
+                Levels::Shape(Box::new(PreparedShape::with_requested_levels(
+                    shape, walk, &request, progress,
+                )?))
             }
-            Opened::Grid(session) => Levels::Grid(session.bands_of_request(&request, progress)?),
+            Opened::Grid(session) => Levels::Grid(Box::new(session.bands_of_request(&request, progress)?)),
         })
     };
     run_cancellable(studio, id, compute, |opened, levels| match (opened, levels) {
-        (Opened::Shape(session), Levels::Shape(next)) => replace_levels(session, next),
-        (Opened::Grid(session), Levels::Grid(next)) => session.replace_levels(next),
+        (Opened::Shape(session), Levels::Shape(next)) => replace_levels(session, *next),
+        (Opened::Grid(session), Levels::Grid(next)) => session.replace_levels(*next),
         _ => unreachable!("what is open stays what it is"),
     })
     .await

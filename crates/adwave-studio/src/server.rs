@@ -226,22 +226,20 @@ async fn wait_for_end(studio: &Studio, progress: Progress<'_>) {
 /// Collects the edit and the edited positions, or the original positions if the bands could not be computed. Images and
 /// volumes have no positions.
 fn collect_outcome(opened: &Opened, is_done: bool) -> StudioOutcome {
-    let recipe = |recipe: Recipe| recipe_to_text(&recipe);
     match opened {
-        Opened::Shape(session) => match session.lock_prepared() {
-            Ok(prepared) => {
+        Opened::Shape(session) => {
+            let (edit, points) = if let Ok(prepared) = session.lock_prepared() {
                 let bands = &prepared.bands;
                 let edit = bands.document.to_recipe(&bands.levels, bands.decomposer.operator_kind());
-                StudioOutcome { recipe: recipe(edit), points: prepared.points.to_vec(), is_done }
-            }
-            Err(_) => {
-                let points = session.points().to_vec();
-                StudioOutcome { recipe: recipe(Recipe::default()), points, is_done }
-            }
-        },
+                (edit, prepared.points.to_vec())
+            } else {
+                (Recipe::default(), session.points().to_vec())
+            };
+            StudioOutcome { recipe: recipe_to_text(&edit), points, is_done }
+        }
         Opened::Grid(session) => {
             let edit = session.lock_bands().map_or_else(|_| Recipe::default(), |bands| bands.to_recipe());
-            StudioOutcome { recipe: recipe(edit), points: Vec::new(), is_done }
+            StudioOutcome { recipe: recipe_to_text(&edit), points: Vec::new(), is_done }
         }
     }
 }
