@@ -7,6 +7,8 @@ use std::process::Command;
 
 /// File name of the extension for every CPython from 3.10 on.
 const EXTENSION: &str = "_native.abi3.so";
+/// Test of an example of the gallery.
+const GALLERY_TEST: &str = "test_a_script_draws_the_picture_that_is_shown";
 
 fn package() -> PathBuf {
     root().join("bindings/python")
@@ -200,9 +202,12 @@ pub(crate) fn assembled() -> Result<PathBuf, String> {
 }
 
 /// Runs the tests and the examples of `adwave.torch` with PyTorch and PyTorch Geometric, which the other tests do without.
+/// Of the workspace only the extension is built.
 pub(crate) fn test_torch() -> StepResult {
     let python = python::environment_from(&package().join("torch-requirements.txt"), "torch")?;
-    let place = assembled()?;
+    let place = target().join("package");
+    cargo(&["build", "--package", "adwave-python", "--locked", "--quiet"], &[])?;
+    assemble(&place)?;
     let tests = package().join("tests");
     let starting_with = |folder: &Path, prefixes: &[&str]| -> Result<Vec<PathBuf>, String> {
         let entries =
@@ -222,7 +227,8 @@ pub(crate) fn test_torch() -> StepResult {
         .arg(package().join("pyproject.toml"))
         .args(["-o", "addopts=", "--rootdir", ".", "--doctest-modules"])
         .args(modules)
-        .args(starting_with(&tests, &["test_torch", "test_walks"])?))
+        .args(starting_with(&tests, &["test_torch", "test_walks"])?)
+        .arg(format!("{}::{}[learn_the_gains]", tests.join("test_gallery.py").display(), GALLERY_TEST)))
 }
 
 /// Copies the examples of `docs/python` to a folder in which they may write their pictures; returns the path of the
