@@ -10,7 +10,7 @@
 
 use crate::certificate::Certificates;
 use crate::colors::WedgeColors;
-use crate::connectivity::{Collapse, Connectivity, Turning};
+use crate::connectivity::{AT_A_TIME, Collapse, Connectivity, Turning};
 use crate::geometry::{dot, length, minus, nearest_weights, squared_distance};
 use crate::quadric::Quadric;
 use adwave::{Cancelled, Progress};
@@ -76,14 +76,18 @@ impl<'a> Collapser<'a> {
         colors: Option<&'a WedgeColors>,
         importance: Option<&[f64]>,
         certificates: Option<Certificates<'a>>,
-    ) -> Self {
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let n = connectivity.n_positions();
-        let quadric = |u: u32| match importance {
-            Some(of) => connectivity.quadric(u).multiply(of[u as usize]),
-            None => connectivity.quadric(u),
+        let quadric = |u: u32| {
+            if (u as usize).is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+            let quadric = connectivity.quadric(u);
+            Ok(importance.map_or(quadric, |of| quadric.multiply(of[u as usize])))
         };
-        let quadrics = (0..n as u32).into_par_iter().map(quadric).collect();
-        Self {
+        let quadrics = (0..n as u32).into_par_iter().map(quadric).collect::<Result<_, Cancelled>>()?;
+        Ok(Self {
             connectivity,
             quadrics,
             colors,
@@ -97,7 +101,7 @@ impl<'a> Collapser<'a> {
             plan: Collapse::default(),
             neighbors: Vec::new(),
             changed: Vec::new(),
-        }
+        })
     }
 
     /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible, and

@@ -3,6 +3,7 @@
 use crate::geometry::{Point, dot, doubled_normal, length, minus};
 use crate::quadric::Quadric;
 use crate::wedges::Wedges;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Marker of a removed face.
@@ -22,6 +23,9 @@ const SPARE_FACES: usize = 4;
 
 /// Number of faces around a vertex up to which a list is searched directly.
 const FEW_FACES: usize = 32;
+
+/// Number of faces or positions between two looks at whether the work is cancelled.
+pub(crate) const AT_A_TIME: usize = 1 << 14;
 
 /// Limit of the angle by which a collapse may turn faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +80,7 @@ pub(crate) struct Collapse {
 }
 
 impl Connectivity {
-    pub(crate) fn new(wedges: &Wedges) -> Self {
+    pub(crate) fn new(wedges: &Wedges, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let position = wedges.position.clone();
         let n = position.iter().map(|&p| p as usize + 1).max().unwrap_or(0);
         let mut points = vec![[0.0; 3]; n];
@@ -84,12 +88,14 @@ impl Connectivity {
             points[p as usize] = wedges.points[wedge];
         }
         let (mut faces, mut back) = (wedges.triangles.clone(), vec![REMOVED; wedges.triangles.len()]);
+        progress.check()?;
         for [front, other] in wedges.twins() {
             back[front as usize] = other;
             faces[other as usize] = [REMOVED; 3];
         }
         let place = |wedge: u32| if wedge == REMOVED { REMOVED } else { position[wedge as usize] };
         let at: Vec<[u32; 3]> = faces.par_iter().map(|face| face.map(place)).collect();
+        progress.check()?;
         let left = || at.iter().enumerate().filter(|(_, face)| face[0] != REMOVED);
         let mut counts = vec![0_usize; n];
         for &x in left().flat_map(|(_, face)| face) {
@@ -97,14 +103,24 @@ impl Connectivity {
         }
         let mut around: Vec<Vec<u32>> =
             counts.into_iter().map(|n| Vec::with_capacity(n + SPARE_FACES)).collect();
+        progress.check()?;
         for (t, face) in left() {
+            if t.is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
             for &x in face {
                 around[x as usize].push(t as u32);
             }
         }
         let mut connectivity = Self { faces, at, around, position, points, kinds: Vec::new(), back };
-        connectivity.kinds = (0..n as u32).into_par_iter().map(|u| connectivity.classify(u)).collect();
-        connectivity
+        let kind = |u: u32| {
+            if (u as usize).is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+            Ok(connectivity.classify(u))
+        };
+        connectivity.kinds = (0..n as u32).into_par_iter().map(kind).collect::<Result<_, Cancelled>>()?;
+        Ok(connectivity)
     }
 
     pub(crate) fn n_positions(&self) -> usize {

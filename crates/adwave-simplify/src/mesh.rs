@@ -300,17 +300,17 @@ impl<'a> SimplifyJob<'a> {
         })
     }
 
-    fn connectivity(&self) -> Connectivity {
-        let mut connectivity = Connectivity::new(&self.wedges);
+    fn connectivity(&self) -> Result<Connectivity, Cancelled> {
+        let mut connectivity = Connectivity::new(&self.wedges, self.progress)?;
         if self.params.border == Border::Kept {
             connectivity.fix_borders();
         }
-        connectivity
+        Ok(connectivity)
     }
 
-    fn collapser<'b>(&'b self, certificates: Option<Certificates<'b>>) -> Collapser<'b> {
+    fn collapser<'b>(&'b self, certificates: Option<Certificates<'b>>) -> Result<Collapser<'b>, Cancelled> {
         let (colors, importance) = (self.colors.as_ref(), self.importance.as_deref());
-        Collapser::new(self.connectivity(), colors, importance, certificates)
+        Collapser::new(self.connectivity()?, colors, importance, certificates, self.progress)
     }
 
     fn view<'b>(&'b self, triangles: &'b [[u32; 3]]) -> SurfaceView<'b> {
@@ -347,7 +347,7 @@ impl<'a> SimplifyJob<'a> {
             colors: self.colors.as_ref(),
         };
         let certificates = Certificates::new(original, limit);
-        let mut collapser = self.collapser(Some(certificates));
+        let mut collapser = self.collapser(Some(certificates))?;
         let mut count = n_before;
         for _ in 0..MAX_PASSES {
             let before = count;
@@ -385,7 +385,7 @@ impl<'a> SimplifyJob<'a> {
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
-        let mut collapser = self.collapser(None);
+        let mut collapser = self.collapser(None)?;
         let mut count = n_before;
         let collapse = || -> Result<(), Cancelled> {
             for turning in [Turning::Limited, Turning::Free] {
