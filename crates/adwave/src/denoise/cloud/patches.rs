@@ -66,7 +66,8 @@ const GROWTH: f64 = 1.25;
 const CENTERS: f64 = 5.0;
 const POINTS_A_CENTER: f64 = 4.0;
 
-/// Number of neighbors that the fits to weak noise have at least; they have up to four times as many.
+/// Number of neighbors that the fits to weak noise have at least; they have up to four times as many, and more where
+/// the rows of neighbors are drawn from the nearest.
 const WEAK_NEIGHBORS: usize = 64;
 
 /// Largest ratio of weak noise that patches see to that which the other fits find.
@@ -87,6 +88,10 @@ const LEVERAGE: f64 = 4.0;
 /// Largest excess of the residuals of a patch over the noise, in standard deviations of their root mean square: a patch
 /// beyond it holds some points of another sheet.
 const OWN_MARGIN: f64 = 2.5;
+
+/// Part of the excess of the squared residuals around a center that may be chance, in standard deviations of the squared
+/// noise of one patch.
+const CHANCE: f64 = 1.4;
 
 /// Least sum of the weights of patches that decide a point.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -410,7 +415,8 @@ fn size_of_least_risk(own: &Center, around: &[&Center], noise: f64) -> Option<us
         if found.is_empty() {
             return f64::INFINITY;
         }
-        let excess = (median(&mut found).powi(2) - noise * noise).max(0.0);
+        let chance = 1.0 + CHANCE * (2.0 / SIZES[i] as f64).sqrt();
+        let excess = (median(&mut found).powi(2) - chance * noise * noise).max(0.0);
         BIAS * excess + LEVERAGE * noise * noise / SIZES[i] as f64
     };
     let first = own.sizes.first.unwrap_or(0).saturating_sub(1);
@@ -445,9 +451,11 @@ impl Patches {
         let scratch = || Search::new(n);
         let fits = parallel::try_map_chunks(centers.len(), 64, progress, scratch, |search, range| {
             let center = |c: usize| {
-                let x = centers[c];
-                let is_noisy = strong.is_some() || by_point[x as usize] > NOTHING;
-                is_noisy.then(|| Center::new(points, near, search, x, last, more)).flatten()
+                let x = centers[c] as usize;
+                let is_noisy = strong.is_some() || by_point[x] > NOTHING;
+                let most = SIZES[last] * near.one_in(x);
+                let last = SIZES.iter().rposition(|&k| k <= most).unwrap_or(last);
+                is_noisy.then(|| Center::new(points, near, search, centers[c], last, more)).flatten()
             };
             range.map(center).collect::<Vec<_>>()
         })?;

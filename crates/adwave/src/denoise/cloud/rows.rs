@@ -43,7 +43,11 @@ const ALONG: f64 = 0.35;
 const LINE_PART: usize = 3;
 
 /// Neighbors of each point in the order of their distances.
-pub(in crate::denoise) struct NearestRows(Adjacency);
+pub(in crate::denoise) struct NearestRows {
+    rows: Adjacency,
+    /// Binary logarithms of the numbers of nearest points of which each neighbor is drawn; empty if none are drawn.
+    drawn: Vec<u8>,
+}
 
 impl NearestRows {
     /// At most [`NEIGHBORS`] of the neighbors in `near`: the nearest, and at equal distances those with the smaller
@@ -62,9 +66,9 @@ impl NearestRows {
             |(): &mut (), x: usize, row: &mut Vec<u32>| row.extend(nearest(points, near, x, NEIGHBORS));
         let rows = Adjacency::from_rows(n, progress, || (), add_nearest)?;
         if most <= NEIGHBORS {
-            return Ok(Self(rows));
+            return Ok(Self { rows, drawn: Vec::new() });
         }
-        let (mut is_open, mut drawn) = (vec![true; n], vec![Vec::new(); n]);
+        let (mut is_open, mut drawn, mut one_in) = (vec![true; n], vec![Vec::new(); n], vec![0; n]);
         for i in 0..=(most / NEIGHBORS).ilog2() {
             let is_wanted = with_neighbors(&rows, &is_open);
             let near = search(NEIGHBORS << i, &is_wanted)?;
@@ -82,14 +86,15 @@ impl NearestRows {
             })?;
             for (x, found) in found.into_iter().enumerate() {
                 if let (true, Some(row)) = (is_open[x], found) {
-                    (is_open[x], drawn[x]) = (false, row);
+                    (is_open[x], one_in[x]) = (false, if row.is_empty() { 0 } else { i as u8 });
+                    drawn[x] = row;
                 }
             }
         }
         let add_drawn = |(): &mut (), x: usize, row: &mut Vec<u32>| {
             row.extend(if drawn[x].is_empty() { rows.row(x) } else { &drawn[x] });
         };
-        Adjacency::from_rows(n, progress, || (), add_drawn).map(Self)
+        Ok(Self { rows: Adjacency::from_rows(n, progress, || (), add_drawn)?, drawn: one_in })
     }
 
     /// A length in mean distances to the 12 nearest neighbors of the rows; 0 if all points coincide.
@@ -108,7 +113,12 @@ impl NearestRows {
     }
 
     pub(super) fn row(&self, x: usize) -> &[u32] {
-        self.0.row(x)
+        self.rows.row(x)
+    }
+
+    /// Number of nearest points of which each neighbor of a point is drawn.
+    pub(super) fn one_in(&self, x: usize) -> usize {
+        self.drawn.get(x).map_or(1, |i| 1 << i)
     }
 
     /// Distance to the `k`-th neighbor, or to the last one; 0 without neighbors.
