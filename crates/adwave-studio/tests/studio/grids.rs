@@ -233,8 +233,8 @@ fn pictures_keep_their_whole_numbers_unless_fractions_are_asked_for() {
 #[test]
 fn series_and_sequences_are_refused_with_what_to_do() {
     let folder = TempDir::new().unwrap();
-    let refused = |file: &ShapeFile| {
-        let path = folder.path().join("f.nii");
+    let refused = |name: &str, file: &ShapeFile| {
+        let path = folder.path().join(name);
         write_path(file, &path, None).unwrap();
         let params = adwave_studio::StudioParams::default();
         let served = adwave_studio::serve(opened(&path), &params, adwave::Progress::none(), |_| {
@@ -242,10 +242,10 @@ fn series_and_sequences_are_refused_with_what_to_do() {
         });
         served.unwrap_err().to_string()
     };
-    let series = refused(&grid(GridLayout::new(&[4, 5, 6], &[1.0; 3]), 7, rough));
+    let series = refused("f.nii", &grid(GridLayout::new(&[4, 5, 6], &[1.0; 3]), 7, rough));
     assert!(series.contains("one value per voxel, got 7") && series.contains("adwave filter"), "{series}");
-    let sequence = refused(&grid(GridLayout::new(&[40], &[1.0]), 1, rough));
+    let sequence = refused("f.nii", &grid(GridLayout::new(&[40], &[1.0]), 1, rough));
     assert!(sequence.contains("a sequence of values"), "{sequence}");
-    let many = refused(&grid(GridLayout::new(&[6, 7], &[1.0; 2]), 5, rough));
+    let many = refused("f.tif", &grid(GridLayout::new(&[6, 7], &[1.0; 2]), 5, rough));
     assert!(many.contains("up to 4 channels, got 5"), "{many}");
 }
