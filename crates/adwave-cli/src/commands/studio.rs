@@ -28,7 +28,7 @@ Examples:
   adwave studio bunny.obj
   adwave studio sample:creature --vertices 50000
   adwave studio dem.tif
-  adwave studio brain.nii.gz --mask brain-mask.nii.gz
+  adwave studio volume.nii.gz --only values=5..    without the places below 5
   adwave studio scan.ply --no-open --port 8080     elsewhere, with ssh -L 8080:127.0.0.1:8080")]
 pub(crate) struct StudioArgs {
     /// Shape, image or volume: a file, '-' for the standard input, or sample:NAME
