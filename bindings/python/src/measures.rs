@@ -310,6 +310,8 @@ fn denoise_points<'py>(
         found.set_item("neighbors", cloud.neighbors)?;
         found.set_item("residual_ratio", cloud.residual_ratio)?;
         found.set_item("two_surfaces", cloud.has_two_surfaces())?;
+        found.set_item("flat_share", cloud.flat_share)?;
+        found.set_item("noise_is_doubtful", cloud.is_noise_doubtful())?;
         found.set_item("n_outliers", cloud.n_outliers)?;
         found.set_item("strong_noise", cloud.strong.as_ref().map(|strong| strong.noise))?;
         found.set_item("n_left", cloud.n_left)?;

@@ -69,12 +69,15 @@ else:
             ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
             that come first). For a cloud ``strong_noise`` (the noise that wide fits see where it is larger than half the
             distance of the points and hides among the nearest ones, or None), ``noise_interval`` (holds the true noise in
-            9 of 10 generated clouds), ``neighbors`` (nearest points from which 48 are drawn: more than 48 in scan
-            lines) and ``two_surfaces`` (whether most neighborhoods seem to hold two, by ``residual_ratio``, the mean
-            absolute residual over the root mean square: 0.80 for noise on one). For a curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
+            9 of 10 generated clouds), ``noise_is_doubtful`` (whether the noise may be larger, because less than half
+            of the places have a flat neighborhood: ``flat_share``), ``neighbors`` (nearest points from which 48 are
+            drawn: more than 48 in scan lines) and ``two_surfaces`` (whether most neighborhoods seem to hold two, by
+            ``residual_ratio``, the mean absolute residual over the root mean square: 0.80 for noise on one). For a
+            curve ``noise_by_axis`` (the noise along x, y and z, whose root mean square is ``noise``;
             ``noise_in_edges`` is in mean edges of the result), ``rounding`` (the step to which each coordinate is
-            rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``, ``step_weights``
-            and ``risk`` (expected squared error before and after), for each group of ``channels``. With ``time=`` also
+            rounded, or 0) and ``length`` (before and after). For a signal ``kept``, ``plain_weights``,
+            ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
+            With ``time=`` also
             ``widths`` (σ of the bands along time), ``steps`` and ``mean_steps`` (in space) and ``weights``: of each band along
             time, of what is slower and of the mean, as it is, after each of these steps, and left out.
 

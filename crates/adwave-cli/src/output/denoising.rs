@@ -183,6 +183,14 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
             number(strong.at_least)
         );
     }
+    if let (true, Some(share)) = (cloud.is_noise_doubtful(), cloud.flat_share) {
+        let _ = writeln!(
+            text,
+            "the noise may be larger: only {:.0} % of the places have a flat neighborhood of up to 768 points, as where \
+             surfaces are thin or noise exceeds the distance of the points; if you know the noise, give --noise-sigma",
+            100.0 * share
+        );
+    }
     if let (true, Some(ratio)) = (cloud.has_two_surfaces(), cloud.residual_ratio) {
         let _ = writeln!(
             text,

@@ -198,14 +198,17 @@ fn denoise_cloud(
     let (near, neighbors) = cloud::rows_across_lines(&points, search, progress)?;
     progress.step(1, STAGES)?;
     let given = params.noise.map(|s| s / unit);
-    let (strong, residual_ratio) = match given {
-        Some(_) => (None, None),
-        None => cloud::noise_at_places(&points, &near, progress)?,
+    let at_places = match given {
+        Some(_) => None,
+        None => Some(cloud::noise_at_places(&points, &near, progress)?),
     };
+    let (strong, residual_ratio) =
+        at_places.as_ref().map_or((None, None), |found| (found.strong, found.residual_ratio));
+    let flat_share = at_places.and_then(|found| found.flat_share);
     let noise = cloud::CloudNoise::new(&points, &near, given, strong.as_ref(), progress)?;
     progress.step(2, STAGES)?;
     let mut found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
-    found.info = CloudDenoising { neighbors, strong, residual_ratio, ..found.info };
+    found.info = CloudDenoising { neighbors, strong, residual_ratio, flat_share, ..found.info };
     progress.step(4, STAGES)?;
     let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
     let map = geometry.vertex_map();

@@ -293,6 +293,10 @@ pub struct CloudDenoising {
     /// apart, 0.85 at 3.5. `None` unless most places are flat and have noise of a fifth of the distance of the points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_ratio: Option<f64>,
+    /// Share of 2000 places around which a neighborhood of 16 to 768 points is flat; `None` if the noise is given, and for fewer
+    /// than 256 points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flat_share: Option<f64>,
 }
 
 /// Noise of a curve along each axis, and its length. Lengths are in model units.
@@ -329,6 +333,16 @@ impl CloudDenoising {
     /// Smallest [`residual_ratio`](Self::residual_ratio) that noise on one surface hardly reaches: at most 0.823 on the
     /// generated shapes and sensors of `cargo xtask bench-denoise` that have no walls thinner than a few points.
     const TWO_SURFACES: f64 = 0.83;
+
+    /// Smallest [`flat_share`](Self::flat_share) with which the noise found is trusted: at least 0.6 on generated spheres,
+    /// tori, saddles, planes, boxes, cylinders and stairs with noise of 0.05 to 3 spacings.
+    const MOSTLY_FLAT: f64 = 0.5;
+
+    /// True if the noise may be larger than found: at most places no neighborhood is flat, because the surface is bent,
+    /// thin or a volume, or because the noise is larger than the distance of the points.
+    pub fn is_noise_doubtful(&self) -> bool {
+        self.strong.is_none() && self.flat_share.is_some_and(|share| share < Self::MOSTLY_FLAT)
+    }
 
     /// True if most neighborhoods seem to hold two surfaces: thin walls, or passes that are shifted against each other.
     pub fn has_two_surfaces(&self) -> bool {

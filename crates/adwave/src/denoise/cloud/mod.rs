@@ -273,6 +273,7 @@ pub(super) fn denoise_points(
         outliers: params.outliers,
         strong: None,
         residual_ratio: None,
+        flat_share: None,
         neighbors: NEIGHBORS,
     };
     let kept = outcomes.iter().map(|o| o.2).sum::<f64>() / outcomes.len().max(1) as f64;

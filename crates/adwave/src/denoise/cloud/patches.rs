@@ -30,7 +30,7 @@ const OFFERED: usize = 16;
 
 /// Number of places where strong noise is looked for, and the share of them that must be flat at some size.
 const PLACES: usize = 2000;
-const FEWEST_FLAT: f64 = 0.03;
+const FEWEST_FLAT: f64 = 0.3;
 
 /// Largest ratio of the smallest to the middle spread of a flat neighborhood.
 const FLAT: f64 = 0.5;
@@ -48,6 +48,10 @@ const MOST_PLACES: f64 = 0.5;
 /// Range of the mean of Geary's ratio over all places; it is 0.798 for normal deviates, and 0.82 for two sheets that
 /// are 2 standard deviations apart.
 const ONE_SHEET: [f64; 2] = [0.77, 0.811];
+
+/// Excess of Geary's ratio of a place over that range, times the square root of the number of neighbors, from which the
+/// place alone is known to hold two sheets: about two standard deviations.
+const TWO_SHEETS: f64 = 1.2;
 
 /// Noise in distances of points from which the residuals of a place tell one sheet from two, the share of the places that
 /// must have it for that, and the largest median growth to the next size, beyond which it is bending.
@@ -298,46 +302,62 @@ pub(super) fn scrambled(value: u64) -> u64 {
     bits ^ (bits >> 32)
 }
 
-/// Looks for strong noise at some places, none unless most of those that are flat at some size have it, and for the mean
-/// of Geary's ratio ([`CloudDenoising::residual_ratio`](super::CloudDenoising)). O(1) beyond a number for each point.
+/// What places of a cloud tell about its noise.
+pub(in crate::denoise) struct FoundAtPlaces {
+    /// Strong noise, if most places that are flat at some size have it.
+    pub(in crate::denoise) strong: Option<StrongNoise>,
+    /// Mean of Geary's ratio ([`CloudDenoising::residual_ratio`](super::CloudDenoising)).
+    pub(in crate::denoise) residual_ratio: Option<f64>,
+    /// Share of the places that are flat at some size; `None` for clouds of few points.
+    pub(in crate::denoise) flat_share: Option<f64>,
+}
+
+/// Looks at some places for strong noise and for two sheets. O(1) beyond a number for each point.
 pub(in crate::denoise) fn noise_at_places(
     points: &[Vector],
     near: &NearestRows,
     progress: Progress<'_>,
-) -> Result<(Option<StrongNoise>, Option<f64>), Cancelled> {
+) -> Result<FoundAtPlaces, Cancelled> {
     let n = points.len();
     let n_places = PLACES.min(n);
     let at_place = |search: &mut Search, i: usize| {
         let x = (scrambled(i as u64) % n as u64) as u32;
         search.start(points, points[x as usize], &[x]);
         let sizes = Sizes::new(points, near, search, 1, SIZES.len());
-        let (fit, next) = (*sizes.flat()?, sizes.fits.last()?);
-        Some((fit, next.noise / fit.noise.max(f64::MIN_POSITIVE), sizes.first?))
+        let (fit, first) = (*sizes.flat()?, sizes.first?);
+        let growth = |next: &Quadric| next.noise / fit.noise.max(f64::MIN_POSITIVE);
+        Some((fit, sizes.fits.get(first + 1).map(growth), first))
     };
     let scratch = || Search::new(n);
     let found = parallel::try_map_chunks(n_places, 64, progress, scratch, |search, range| {
         range.filter_map(|i| at_place(search, i)).collect::<Vec<_>>()
     })?;
     let flat: Vec<PlaceFit> = found.into_iter().flatten().collect();
-    let with_noise =
-        |least: f64| flat.iter().filter(|(fit, ..)| fit.noise > least * fit.spacing).collect::<Vec<_>>();
+    let has_noise = |least: f64| move |(fit, ..): &&PlaceFit| fit.noise > least * fit.spacing;
     let mean_ratio =
         |fits: &[&PlaceFit]| fits.iter().map(|(fit, ..)| fit.ratio).sum::<f64>() / fits.len() as f64;
-    let median_growth =
-        |fits: &[&PlaceFit]| median(&mut fits.iter().map(|(_, growth, _)| *growth).collect::<Vec<_>>());
-    let telling = with_noise(TELLING);
+    let median_growth = |fits: &[&PlaceFit]| {
+        median(&mut fits.iter().filter_map(|(_, growth, _)| *growth).collect::<Vec<_>>())
+    };
+    let telling: Vec<&PlaceFit> = flat.iter().filter(has_noise(TELLING)).collect();
     let tells =
         telling.len() as f64 > MOST_TELLING * n_places as f64 && median_growth(&telling) < TELLING_GROWTH;
     let residual_ratio = tells.then(|| mean_ratio(&telling));
-    let strong = with_noise(STRONG);
-    if flat.is_empty()
-        || (flat.len() as f64) < FEWEST_FLAT * n_places as f64
-        || (strong.len() as f64) < MOST_PLACES * flat.len() as f64
+    let flat_share = (n >= 4 * WEAK_NEIGHBORS).then(|| flat.len() as f64 / n_places as f64);
+    let found = FoundAtPlaces { strong: None, residual_ratio, flat_share };
+    // Places that only the largest size finds flat tell nothing: nothing shows whether that is bending.
+    let is_one_sheet = |(fit, growth, size): &&PlaceFit| {
+        growth.is_some() && fit.ratio < ONE_SHEET[1] + TWO_SHEETS / (SIZES[*size] as f64).sqrt()
+    };
+    let one_sheet: Vec<&PlaceFit> = flat.iter().filter(is_one_sheet).collect();
+    let strong: Vec<&PlaceFit> = one_sheet.iter().copied().filter(has_noise(STRONG)).collect();
+    if one_sheet.is_empty()
+        || (one_sheet.len() as f64) < FEWEST_FLAT * n_places as f64
+        || (strong.len() as f64) < MOST_PLACES * one_sheet.len() as f64
+        || !(ONE_SHEET[0]..ONE_SHEET[1]).contains(&mean_ratio(&strong))
+        || median_growth(&strong) > GROWTH
     {
-        return Ok((None, residual_ratio));
-    }
-    if !(ONE_SHEET[0]..ONE_SHEET[1]).contains(&mean_ratio(&strong)) || median_growth(&strong) > GROWTH {
-        return Ok((None, residual_ratio));
+        return Ok(found);
     }
     let mut noise: Vec<f64> = strong.iter().map(|(fit, ..)| fit.noise).collect();
     let size = median(&mut strong.iter().map(|(.., size)| *size as f64).collect::<Vec<_>>()) as usize;
@@ -346,11 +366,11 @@ pub(in crate::denoise) fn noise_at_places(
         at_least: quantile(&mut noise, 0.25),
         neighbors: SIZES[size],
     };
-    Ok((Some(strong), residual_ratio))
+    Ok(FoundAtPlaces { strong: Some(strong), ..found })
 }
 
-/// Smallest flat fit at a place, the growth of the noise to the next size, and the index of its size.
-type PlaceFit = (Quadric, f64, usize);
+/// Smallest flat fit at a place, the growth of the noise to the next size if there is one, and the index of its size.
+type PlaceFit = (Quadric, Option<f64>, usize);
 
 /// Fits around the center of a patch.
 struct Center {

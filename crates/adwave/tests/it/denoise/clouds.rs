@@ -5,6 +5,9 @@ use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Denoised, Outliers};
 use adwave::shape::{PointCloud, Shape};
 use adwave::signal::normals_facing;
+use adwave_io::{ReadLimits, read_path};
+use adwave_test_data::data_test;
+use std::path::Path;
 
 fn defaults() -> DenoiseParams {
     DenoiseParams::default()
@@ -261,4 +264,50 @@ fn smooth_parts_keep_a_fifth_of_weak_noise() {
         println!("{noise}: left {left}");
         assert!(left < 0.2, "{noise}: {left}");
     }
+}
+
+/// Five plates of so many points a side, so far apart, with noise in all directions.
+fn plates(side: usize, gap: f64, noise: f64) -> Shape {
+    let mut random = Deviates(11);
+    let clean: Vec<[f64; 3]> =
+        (0..5_u32).flat_map(|k| sheet(side, gap * f64::from(k), 0.0, &mut random)).collect();
+    cloud(clean.into_iter().map(|p| p.map(|c| c + noise * random.normal())).collect())
+}
+
+#[test]
+fn noise_that_no_flat_neighborhood_shows_is_doubtful() {
+    for (noise, is_doubtful) in [(0.1, false), (3.0, true)] {
+        let info = denoised(&plates(24, 6.0, noise), &defaults()).info;
+        let found = info.cloud.expect("the shape is a cloud");
+        println!("{noise}: found {}, flat {:?}", info.noise, found.flat_share);
+        assert_eq!(found.is_noise_doubtful(), is_doubtful, "{noise}: {:?}", found.flat_share);
+    }
+    let found = denoised(&plates(24, 6.0, 3.0), &defaults().with_noise(3.0))
+        .info
+        .cloud
+        .expect("the shape is a cloud");
+    assert_eq!(found.flat_share, None);
+}
+
+#[data_test]
+fn thin_walls_with_noise_of_a_spacing_are_not_made_worse() {
+    let path = Path::new(adwave_test_data::folder!()).join("domains/points/PUNet/casting/clean_10000.xyz");
+    let clean = read_path(&path, &ReadLimits::default()).unwrap().points().to_vec();
+    let sum = clean.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+    let center = sum.map(|c| c / clean.len() as f64);
+    let radius = clean.iter().map(|p| square_distance(p, &center)).fold(0.0, f64::max).sqrt();
+    let mut random = Deviates(5);
+    let noisy: Vec<[f64; 3]> = clean.iter().map(|p| p.map(|c| c + 0.03 * radius * random.normal())).collect();
+    let off = |points: &[[f64; 3]]| {
+        let nearest = |p| clean.iter().map(|q| square_distance(p, q)).fold(f64::INFINITY, f64::min);
+        points.iter().map(nearest).sum::<f64>()
+    };
+    let result = denoised(&cloud(noisy.clone()), &defaults());
+    let [before, after] = [&noisy, &result.points].map(|points| off(points));
+    println!("{before} before, {after} after, noise {} of {}", result.info.noise, 0.03 * radius);
+    assert!(after < before, "{before} before, {after} after");
+}
+
+fn square_distance(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    (0..3).map(|k| (p[k] - q[k]).powi(2)).sum()
 }
