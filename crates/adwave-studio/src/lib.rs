@@ -69,7 +69,7 @@ pub enum StudioError {
     UnsuitableGrid {
         /// Name of the image or volume.
         name: String,
-        /// What the studio shows, what was found, and what to do.
+        /// Sentence on the shapes that the studio shows, the one that was found, and the way out.
         problem: String,
     },
     /// An error of the method or of a file.

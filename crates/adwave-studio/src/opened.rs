@@ -1,4 +1,4 @@
-//! What is open in a tab of the page: a shape, or an image or a volume.
+//! Contents of a tab of the page: a shape, an image or a volume.
 
 use crate::StudioError;
 use crate::grid_session::GridSession;

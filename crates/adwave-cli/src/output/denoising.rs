@@ -186,7 +186,7 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
     if let (true, Some(share)) = (cloud.is_noise_doubtful(), cloud.flat_share) {
         let _ = writeln!(
             text,
-            "the noise may be larger: only {:.0} % of the places have a flat neighborhood of up to 768 points, as where \
+            "the noise may be larger: only {:.0} % of the places have a flat neighborhood, as where \
              surfaces are thin or noise exceeds the distance of the points; if you know the noise, give --noise-sigma",
             100.0 * share
         );

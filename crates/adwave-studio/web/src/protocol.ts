@@ -217,7 +217,7 @@ export interface ReadableFormat {
   extensions: string[];
 }
 
-/** What is open in a tab. */
+/** Contents of a tab. */
 export interface OpenedName {
   id: number;
   name: string;

@@ -293,7 +293,8 @@ pub struct CloudDenoising {
     /// apart, 0.85 at 3.5. `None` unless most places are flat and have noise of a fifth of the distance of the points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_ratio: Option<f64>,
-    /// Share of 2000 places around which a neighborhood of 16 to 768 points is flat; `None` if the noise is given, and for fewer
+    /// Share of 2000 places around which a neighborhood of 16 to 768 points, and at most a quarter of
+    /// the cloud, is flat; `None` if the noise is given, and for fewer
     /// than 256 points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flat_share: Option<f64>,

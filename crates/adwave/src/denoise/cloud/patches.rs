@@ -302,7 +302,7 @@ pub(super) fn scrambled(value: u64) -> u64 {
     bits ^ (bits >> 32)
 }
 
-/// What places of a cloud tell about its noise.
+/// Findings about the noise of a cloud at some of its places.
 pub(in crate::denoise) struct FoundAtPlaces {
     /// Strong noise, if most places that are flat at some size have it.
     pub(in crate::denoise) strong: Option<StrongNoise>,

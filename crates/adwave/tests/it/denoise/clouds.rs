@@ -266,7 +266,7 @@ fn smooth_parts_keep_a_fifth_of_weak_noise() {
     }
 }
 
-/// Five plates of so many points a side, so far apart, with noise in all directions.
+/// Five plates of `side` × `side` points, `gap` apart, with noise in all directions.
 fn plates(side: usize, gap: f64, noise: f64) -> Shape {
     let mut random = Deviates(11);
     let clean: Vec<[f64; 3]> =
