@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union, overload
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeVar, Union, cast, overload
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -11,6 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 from adwave import _native
 from adwave._caller import public
 from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._denoise_info import DenoiseInfo
 from adwave._edits import LocalFit, refuse_labels, refuse_time, with_named_signal
 from adwave._layout import Layout, float_type
 from adwave._options import Float, Numbers, Operator, OperatorLike, SignalLike, as_operator
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
         """A shape or signal without noise, and the estimates that it is based on."""
 
         result: _Kind
-        info: dict[str, Any]
+        info: DenoiseInfo
 
         def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray[Any]: ...
 
@@ -90,7 +91,7 @@ else:
         """
 
         result: object
-        info: dict[str, Any]
+        info: DenoiseInfo
 
         def __getattr__(self, name: str) -> object:
             # So that `denoise(mesh).vertices` is what `filter(mesh, "smooth").vertices` is.
@@ -249,19 +250,21 @@ def denoise(
         clean, series_info = _denoise_frames(decomposer, values, layout, time, settings, progress)
         result = part.spread(layout.arrange(clean), layout, signal)
         return DenoiseResult(result.astype(float_type(signal), copy=False), series_info)
-    found: list[dict[str, Any]] = []
+    found: list[DenoiseInfo] = []
     with report_progress(progress, "denoising") as report:
 
         def denoise_channels(
             owner: Decomposer, values: NDArray[np.float64] | None, channels: list[int]
         ) -> NDArray[np.float64]:
             result, own = _native.denoise_values(owner._data, values, settings, report)
-            found.extend({**info, "channels": [channels[c] for c in info["channels"]]} for info in own)
+            found.extend(
+                cast(DenoiseInfo, {**info, "channels": [channels[c] for c in info["channels"]]}) for info in own
+            )
             return result
 
         denoised = decomposer._map_channels(values, denoise_channels)
         found.sort(key=lambda info: info["channels"])
-    info = dict(found[0]) if len(found) == 1 else {"groups": found}
+    info = found[0] if len(found) == 1 else cast(DenoiseInfo, {"groups": found})
     if isinstance(signal, str):
         return DenoiseResult(with_named_signal(part, decomposer.shape, signal, denoised), info)
     found_values = part.spread(layout.arrange(denoised), layout, signal)
@@ -275,7 +278,7 @@ def _denoise_frames(
     time: Time,
     settings: DenoiseOptions,
     progress: ProgressLike,
-) -> tuple[NDArray[np.float64], dict[str, Any]]:
+) -> tuple[NDArray[np.float64], DenoiseInfo]:
     """A series of n × channels numbers without noise; vertices that are NaN in some frames keep their values."""
     frames = frames_of(values, layout)
     n_components = frames.shape[2]
@@ -284,7 +287,7 @@ def _denoise_frames(
     if unknown.any():
         series = series.copy()
         series[unknown] = np.nan
-    info: dict[str, Any] = {}
+    info = cast(DenoiseInfo, {})
     with report_progress(progress, "denoising") as report:
 
         def work(owner: Decomposer, part: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:

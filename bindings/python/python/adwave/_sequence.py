@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave._denoise import denoise
+from adwave._denoise_info import DenoiseInfo
 from adwave._edits import decompose, filter, smooth
 from adwave._methods import Members
 from adwave._options import Length, LevelsLike
@@ -34,7 +35,7 @@ class CleanSequence(NamedTuple):
     """
 
     result: Sequence
-    info: dict[str, Any]
+    info: DenoiseInfo
 
 
 class Sequence(Members):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _native
 from adwave._decomposer import Decomposer, GainsLike, Where, as_domain, prepare_decomposer
 from adwave._denoise import DenoiseResult, denoise
+from adwave._denoise_info import DenoiseInfo
 from adwave._diffusion import smoothing_levels
 from adwave._methods import Members
 from adwave._options import Length, LevelsLike, OperatorLike, Widths, as_operator
@@ -475,14 +476,14 @@ class TensorField(Members):
         DenoiseResult
             The field, and in ``info["groups"]`` the estimates of each part as for a signal in `adwave.denoise`.
         """
-        groups: list[dict[str, Any]] = []
+        groups: list[DenoiseInfo] = []
 
         def clean(owner: Decomposer, values: _Floats) -> _Floats:
             found, info = denoise(owner, values, strength=strength, progress=progress)
             groups.extend(info.get("groups", [info]))
             return found
 
-        return DenoiseResult(self._with_values(self._map(clean)), {"groups": groups})
+        return DenoiseResult(self._with_values(self._map(clean)), cast(DenoiseInfo, {"groups": groups}))
 
     def _map(self, compute: Any) -> _Floats:
         """New scalars: all together on a grid; the trace with the operator of scalars and the line with its own."""
