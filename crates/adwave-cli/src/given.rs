@@ -73,6 +73,11 @@ impl GivenOptions {
         self.outputs.iter().any(|output| output.option == "--output" && output.path == Path::new("-"))
     }
 
+    /// Returns true if the user typed no options but these.
+    pub(crate) fn are_among(&self, options: &[&str]) -> bool {
+        self.options.iter().all(|option| options.contains(&option.as_str()))
+    }
+
     /// Refuses the first of `options` that was given although it applies to nothing. `applies` follows the name of the
     /// option and states when it applies, such as `applies to meshes, and a.ply is a cloud`.
     pub(crate) fn refuse(&self, options: &[&str], applies: &str) -> Result<(), CliError> {

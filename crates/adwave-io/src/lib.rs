@@ -97,6 +97,8 @@ pub use formats::las::stream::{LasColumn, LasLayout, LasReader, LasWriter};
 pub use formats::mtx::rows::read_matrix_market;
 #[cfg(feature = "graph")]
 pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
+#[cfg(feature = "grid")]
+pub use formats::nifti::series::{SeriesVolume, VolumeSeries, VolumeSeriesWriter};
 pub use formats::npy::columns::{NpyColumns, NpyColumnsWriter};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{

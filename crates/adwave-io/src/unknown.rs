@@ -24,7 +24,8 @@ pub struct UnknownValue {
 
 fn may_be_unknown(x: f64) -> bool {
     let magnitude = x.abs();
-    SMALL.contains(&x)
+    // Nearly all numbers are told by this comparison.
+    (x <= SMALL[0] && SMALL.contains(&x))
         || (magnitude > 1e19 && LARGE.iter().any(|large| (magnitude - large).abs() <= ROUNDING * large))
 }
 

@@ -172,7 +172,7 @@ pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
 }
 
 /// Prints a note if an image or a volume holds whole numbers and no other type is asked for.
-fn note_rounding(input: &Input, signal: &str, global: &Global<'_>) {
+pub(crate) fn note_rounding(input: &Input, signal: &str, global: &Global<'_>) {
     if input.file.grid().is_none() || global.given.has("--value-type") {
         return;
     }

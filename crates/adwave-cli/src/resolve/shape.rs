@@ -16,7 +16,7 @@ use adwave::shape::{Graph, Shape};
 use adwave::{ClassifiedError, Decomposer, ErrorKind};
 use adwave_io::{
     CloudPart, Direction, Edges, FaceCells, Field, FieldValues, GRID_VALUES, GridLayout, LengthUnit,
-    MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, ShapeKind, read_bytes,
+    MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, ShapeKind, VolumeSeries, read_bytes,
     read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
@@ -117,6 +117,8 @@ impl Input {
 pub(crate) struct ShapeSource<'a> {
     /// A file, `-`, or `sample:NAME`.
     pub(crate) shape: &'a str,
+    /// The file's volumes, if the first alone is read here.
+    pub(crate) series: Option<&'a VolumeSeries>,
     pub(crate) kind: Option<ShapeKind>,
     pub(crate) sample: SampleSize,
     /// The part of a cloud that is read.
@@ -153,7 +155,16 @@ impl<'a> ShapeSource<'a> {
     /// Source of a shape with all its vertices and no further options.
     pub(crate) fn new(shape: &'a str) -> Self {
         let (sample, part) = (SampleSize::default(), CloudPart::default());
-        Self { shape, kind: None, sample, part, selection: None, neighbors: None, surfaces: &[] }
+        Self {
+            shape,
+            series: None,
+            kind: None,
+            sample,
+            part,
+            selection: None,
+            neighbors: None,
+            surfaces: &[],
+        }
     }
 }
 
@@ -166,12 +177,27 @@ pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input,
 
 /// [`load_shape`] for a command that compares two shapes, whose options may apply to either of them.
 pub(crate) fn load_one_of_two(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
+    load(args, None, global)
+}
+
+/// [`load_shape`] for a series of volumes that are read one at a time: the first of them.
+pub(crate) fn load_first_volume(
+    args: &ShapeArgs,
+    series: &VolumeSeries,
+    global: &Global<'_>,
+) -> Result<Input, CliError> {
+    let input = load(args, Some(series), global)?;
+    check_shape_options(&[&input], global)?;
+    Ok(input)
+}
+
+fn load(args: &ShapeArgs, series: Option<&VolumeSeries>, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
     let neighbors = global.given.has("--neighbors").then(|| args.operator.neighbors.get());
     let surfaces = &args.surface;
-    let source =
-        ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection, neighbors, surfaces };
+    let (shape, kind) = (&args.shape, args.kind);
+    let source = ShapeSource { shape, series, kind, sample, part, selection, neighbors, surfaces };
     let mut input = load_source(&source, global)?;
     input.allows_degrees = args.allow_degrees;
     Ok(input)
@@ -193,6 +219,9 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             make_sample(sample, &source.sample)?
         } else if let Some(path) = source.shape.strip_prefix(POINTS) {
             read_points(&to_path(path), source, global)?
+        } else if let Some(series) = source.series {
+            global.inputs.add_file(series.path());
+            series.first(&global.limits, global.progress()).map_err(CliError::input)?
         } else {
             read(source.shape, &source.part, global)?
         };

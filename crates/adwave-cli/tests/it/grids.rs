@@ -52,6 +52,62 @@ fn a_filter_of_a_volume_is_heat_of_the_width_that_is_asked_for() {
     assert!((sum(&found) - sum(&input)).abs() < 1e-5 * sum(&input).abs());
 }
 
+/// Writes 130 volumes of 32³ voxels as 32-bit floats, so many that they are filtered one by one.
+fn write_series(path: &Path, change: impl Fn(&mut [f32])) {
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[32; 3], &[2.0; 3])).unwrap();
+    let mut values: Vec<f32> = (0..(32 * 32 * 32) * 130).map(|k| 300.0 + rough(k % 9973)).collect();
+    change(&mut values);
+    file.add_vertex_field(Field::new(GRID_VALUES, 130, FieldValues::F32(values))).unwrap();
+    write_path(&file, path, None).unwrap();
+}
+
+#[test]
+fn volumes_that_are_filtered_one_by_one_are_those_of_the_series_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let edit = "--fwhm 5,9 --gains 0,0.5";
+    let filtered = |output: &str, more: &str| {
+        let line = format!("filter series.nii -o {output} {edit} {more}");
+        (json(folder.path(), &line), fs::read(at(output)).unwrap())
+    };
+    write_series(&at("series.nii"), |_| ());
+    let (report, found) = filtered("one.nii", "");
+    // A type of numbers is an option of the series in memory.
+    let (expected_report, expected) = filtered("all.nii", "--value-type f32");
+    assert_eq!(found[..352], expected[..352]);
+    assert_eq!(found.len(), expected.len());
+    let (values, expected) = (values(&at("one.nii")), values(&at("all.nii")));
+    let off = values.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-4, "{off:e}"); // the last digit of a float near 400
+    let change = |report: &serde_json::Value| report["changed"]["rms"].as_f64().unwrap();
+    assert!((change(&report) / change(&expected_report) - 1.0).abs() < 1e-6);
+    assert!(change(&report) > 1.0);
+    // A NaN in one volume hides its place there alone, whichever way the volumes are read.
+    write_series(&at("series.nii"), |values| values[77 * 130 + 5] = f32::NAN);
+    let (_, found) = filtered("one.nii", "");
+    let (_, expected) = filtered("all.nii", "--value-type f32");
+    assert!(found == expected);
+}
+
+#[test]
+fn a_series_that_does_not_fit_its_type_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("series.nii");
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[32; 3], &[2.0; 3])).unwrap();
+    let values = (0..(32 * 32 * 32) * 130).map(|k: usize| if k % 7 == 0 { 255 } else { 0 }).collect();
+    file.add_vertex_field(Field::new(GRID_VALUES, 130, FieldValues::U8(values))).unwrap();
+    write_path(&file, &path, None).unwrap();
+    let error = refused(folder.path(), "filter series.nii -o out.nii --fwhm 5 --gains 3");
+    assert!(error.contains("u8") && error.contains("channel"), "{error}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let report = json(folder.path(), "filter series.nii -o out.nii --fwhm 5 --gains 0");
+    assert!(report["changed"]["max"].as_f64().unwrap() > 100.0);
+    assert_eq!(
+        fs::metadata(folder.path().join("out.nii")).unwrap().len(),
+        fs::metadata(&path).unwrap().len()
+    );
+}
+
 #[test]
 fn gains_of_one_give_the_file_back() {
     let folder = tempfile::tempdir().unwrap();

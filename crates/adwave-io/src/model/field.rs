@@ -177,8 +177,21 @@ impl FieldValues {
     }
 
     /// All numbers as `f64` (64-bit integers beyond 2⁵³ are rounded).
+    #[allow(clippy::cast_lossless, clippy::unnecessary_cast)] // one expression for all types
     pub fn to_f64(&self) -> Vec<f64> {
-        (0..self.len()).map(|i| self.get(i)).collect()
+        with_values!(self, values => values.iter().map(|x| *x as f64).collect())
+    }
+
+    /// Appends `n` numbers from each of some positions on to a list.
+    #[allow(clippy::cast_lossless, clippy::unnecessary_cast)] // one expression for all types
+    pub(crate) fn extend_strided(&self, out: &mut Vec<f64>, starts: impl Iterator<Item = usize>, n: usize) {
+        with_values!(self, values => {
+            if n == 1 {
+                out.extend(starts.map(|start| values[start] as f64));
+            } else {
+                starts.for_each(|start| out.extend(values[start..start + n].iter().map(|x| *x as f64)));
+            }
+        });
     }
 
     /// Appends a number; returns `false`, without appending, if the type is an integer type that cannot represent the

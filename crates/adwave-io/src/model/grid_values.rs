@@ -46,6 +46,8 @@ pub(crate) struct GridValues {
     pub(crate) field: Field,
     /// False at places without data; `None` if all have data.
     pub(crate) kept: Option<Vec<bool>>,
+    /// True if the values are the numbers of the file, in their type.
+    pub(crate) are_numbers: bool,
 }
 
 impl GridNumbers {
@@ -92,7 +94,7 @@ impl GridNumbers {
         Ok(found)
     }
 
-    fn is_scaled(&self) -> bool {
+    pub(crate) fn is_scaled(&self) -> bool {
         (self.slope, self.intercept) != (1.0, 0.0)
     }
 
@@ -116,7 +118,8 @@ impl GridNumbers {
         let n = values.len();
         let may_be_missing = self.missing.is_some() || !self.kind.is_integer() || hidden.contains(&true);
         let has_missing = may_be_missing && !crate::progress::all(n, progress, |i| !is_missing(i))?;
-        if self.is_scaled() || has_missing {
+        let are_numbers = !self.is_scaled() && !has_missing;
+        if !are_numbers {
             let value = |i: usize| {
                 if is_missing(i) { f64::NAN } else { self.value(values.get(i)) }
             };
@@ -134,7 +137,7 @@ impl GridNumbers {
         });
         let kept = kept.filter(|kept| kept.contains(&false));
         progress.check()?;
-        Ok(GridValues { field, kept })
+        Ok(GridValues { field, kept, are_numbers })
     }
 
     /// True if the number in the file means no data.
@@ -147,6 +150,21 @@ impl GridNumbers {
 
     fn value(&self, x: f64) -> f64 {
         if self.is_scaled() { self.slope * x + self.intercept } else { x }
+    }
+
+    /// Numbers of one plane, as they lie in `bytes`.
+    pub(crate) fn adjacent<T: Number>(&self, bytes: &[u8]) -> Vec<T> {
+        bytes.chunks_exact(size_of::<T>()).map(|bytes| T::from_bytes(bytes, self.order)).collect()
+    }
+
+    /// Values of one plane, as they lie in `bytes`; missing ones are those of their numbers.
+    pub(crate) fn values(&self, bytes: &[u8]) -> Vec<f64> {
+        let mut numbers = self.kind.empty();
+        let mut values = with_values!(&mut numbers, v => numbers_to_f64(v, bytes, self.order));
+        if self.is_scaled() {
+            values.iter_mut().for_each(|x| *x = self.value(*x));
+        }
+        values
     }
 
     /// Numbers in the order of the places, with all channels of a place adjacent.
@@ -219,12 +237,19 @@ impl GridNumbers {
                     progress.check()?;
                     let places = b * BLOCK..((b + 1) * BLOCK).min(self.n_places);
                     let mut bytes = Vec::with_capacity(places.len() * width * planes.len());
+                    let mut values = Vec::with_capacity(places.len() * self.n_components);
                     for plane in planes.clone() {
-                        for place in places.clone() {
-                            for c in 0..self.n_components {
-                                self.encode::<T>(encoding, plane, place, c)?
-                                    .write_bytes(self.order, &mut bytes);
-                            }
+                        let first = (plane * self.n_places + places.start) * self.n_components;
+                        values.clear();
+                        encoding.field.values.extend_strided(
+                            &mut values,
+                            places
+                                .clone()
+                                .map(|place| place * encoding.field.n_channels + plane * self.n_components),
+                            self.n_components,
+                        );
+                        for (at, value) in (first..).zip(&values) {
+                            self.encode::<T>(encoding, at, *value)?.write_bytes(self.order, &mut bytes);
                         }
                     }
                     Ok(bytes)
@@ -248,19 +273,16 @@ impl GridNumbers {
         Ok(progress.check()?)
     }
 
-    /// Number of a value.
+    /// Number of a value, the one with the index `at` in the order of the file.
     #[inline]
     fn encode<T: GridNumber>(
         &self,
         encoding: &GridEncoding<'_>,
-        plane: usize,
-        place: usize,
-        component: usize,
+        at: usize,
+        value: f64,
     ) -> Result<T, WriteError> {
         let GridEncoding { original, field, .. } = *encoding;
-        let value = field.values.get(place * field.n_channels + plane * self.n_components + component);
         if let Some(original) = original {
-            let at = (plane * self.n_places + place) * self.n_components + component;
             let old = T::from_bytes(&original[at * size_of::<T>()..], self.order);
             let before = old.to_f64();
             if self.is_missing(before) {
@@ -280,15 +302,15 @@ impl GridNumbers {
             _ if self.is_scaled() => (value - self.intercept) / self.slope,
             _ => value,
         };
-        T::from_value(number).ok_or_else(|| {
-            let n_channels = self.n_channels();
-            let channel = plane * self.n_components + component;
-            self.misfit(value, place, if n_channels > 1 { Some(channel) } else { None }, encoding.format)
-        })
+        T::from_value(number).ok_or_else(|| self.misfit(value, at, encoding.format))
     }
 
     #[cold]
-    fn misfit(&self, value: f64, place: usize, channel: Option<usize>, format: Format) -> WriteError {
+    fn misfit(&self, value: f64, at: usize, format: Format) -> WriteError {
+        let (row, component) = (at / self.n_components, at % self.n_components);
+        let place = row % self.n_places;
+        let channel = row / self.n_places * self.n_components + component;
+        let channel = (self.n_channels() > 1).then_some(channel);
         let (low, high) = range_of(self.kind);
         let [a, b] = [self.value(low), self.value(high)];
         let channel = channel.map_or(String::new(), |c| format!(", channel {c},"));
@@ -301,6 +323,11 @@ impl GridNumbers {
             high: a.max(b),
         }
     }
+}
+
+/// The numbers in `bytes`, of the type of the (empty) list.
+fn numbers_to_f64<T: GridNumber>(_: &mut Vec<T>, bytes: &[u8], order: ByteOrder) -> Vec<f64> {
+    bytes.chunks_exact(size_of::<T>()).map(|bytes| T::from_bytes(bytes, order).to_f64()).collect()
 }
 
 /// Values to be encoded.
@@ -434,7 +461,7 @@ mod tests {
     fn missing_numbers_are_nan_and_keep_their_bytes() {
         let numbers = GridNumbers { missing: Some(-9999.0), ..numbers(ValueType::I16, 3, 1, 1) };
         let bytes = [0, 7, 0xd8, 0xf1, 0, 9];
-        let GridValues { mut field, kept } = numbers.read(&bytes, Progress::none()).unwrap();
+        let GridValues { mut field, kept, .. } = numbers.read(&bytes, Progress::none()).unwrap();
         assert_eq!(kept, Some(vec![true, false, true]));
         assert!(field.get(1, 0).is_nan());
         field.values = FieldValues::F64(vec![f64::NAN, f64::NAN, 8.7]);

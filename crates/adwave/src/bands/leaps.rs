@@ -45,11 +45,11 @@ impl Transform {
             let (mut error, mut worst) = (0.0, 0.0_f64);
             let before_that = missed.take();
             let (mut n_leaps, mut largest_bound) = (0, 0.0_f64);
-            match operator.invariant() {
-                Invariant::Constants => measure.subtract_mean(signal.values, vectors[0]),
-                Invariant::Nothing => vectors[0].copy_from_slice(signal.values),
-            }
-            let mut size = measure.norm(vectors[0]);
+            let means = match operator.invariant() {
+                Invariant::Constants => measure.means(signal.values),
+                Invariant::Nothing => vec![0.0; n_channels],
+            };
+            let mut size = measure.subtract(signal.values, &means, vectors[0]);
             for (level, pair) in steps.windows(2).enumerate() {
                 progress.step(level as u64, schedule.n_levels() as u64)?;
                 let [now, next] = [level, level + 1].map(|j| j % vectors.len());
@@ -116,6 +116,17 @@ impl Transform {
     ) -> Result<EvaluationInfo, BandsError> {
         let super::transform::LevelFactors { schedule, factors } = weights;
         let measure = RowNorm { n_channels: signal.n_channels, weights: self.operator().weights() };
+        if let [factor] = *factors {
+            // The only band takes the place of the signal that it is the first leap from.
+            let vectors: &mut [&mut [f64]] = &mut [out, &mut zeros(signal.values.len())];
+            return self.leap_bands(leap, signal, schedule, vectors, progress, |_, finer, coarser| {
+                measure.visit_band(finer, &[], coarser, |sum, _, coarser| {
+                    let band = *sum - coarser;
+                    *sum = factor * band;
+                    band
+                })
+            });
+        }
         let (mut now, mut next) = (zeros(signal.values.len()), zeros(signal.values.len()));
         let vectors: &mut [&mut [f64]] = &mut [&mut now, &mut next];
         self.leap_bands(leap, signal, schedule, vectors, progress, |level, finer, coarser| {
@@ -137,29 +148,44 @@ struct RowNorm<'a> {
 }
 
 impl RowNorm<'_> {
-    fn norm(self, values: &[f64]) -> f64 {
-        let (d, n) = (self.n_channels, values.len() / self.n_channels);
-        let square = |x: usize| values[x * d..][..d].iter().map(|v| v * v).sum::<f64>();
-        parallel::sum(n, |x| self.weights.weight(x, n) * square(x)).sqrt()
-    }
-
-    /// The signal less the weighted mean of each channel.
-    fn subtract_mean(self, signal: &[f64], out: &mut [f64]) {
+    /// The weighted mean of each channel.
+    fn means(self, signal: &[f64]) -> Vec<f64> {
         let (d, n) = (self.n_channels, signal.len() / self.n_channels);
-        let total = parallel::sum(n, |x| self.weights.weight(x, n));
+        let (total, even) = match self.weights {
+            RowWeights::Uniform => (1.0, Some(1.0 / n as f64)),
+            RowWeights::Each(weights) => (parallel::sum(n, |x| weights[x]), None),
+        };
+        let weight = |x: usize| even.unwrap_or_else(|| self.weights.weight(x, n));
+        if d == 1 {
+            return vec![parallel::sum(n, |x| weight(x) * signal[x]) / total];
+        }
         // All channels at once: one by one, each would read the whole signal.
         let sums = parallel::sums(n, d, |x, sums| {
-            let weight = self.weights.weight(x, n);
+            let weight = weight(x);
             sums.iter_mut().zip(&signal[x * d..][..d]).for_each(|(sum, value)| *sum += weight * value);
         });
-        let means: Vec<f64> = sums.into_iter().map(|sum| sum / total).collect();
-        parallel::visit_rows(out, d, super::bands::VERTICES_AT_A_TIME, |first, rows| {
-            for (row, given) in rows.chunks_exact_mut(d).zip(signal[first * d..].chunks_exact(d)) {
-                for ((centered, value), mean) in row.iter_mut().zip(given).zip(&means) {
+        sums.into_iter().map(|sum| sum / total).collect()
+    }
+
+    /// Puts the signal less a number for each channel into `out`, and returns the norm of the result.
+    fn subtract(self, signal: &[f64], means: &[f64], out: &mut [f64]) -> f64 {
+        let (d, n) = (self.n_channels, signal.len() / self.n_channels);
+        let chunk = |first: usize, rows: &mut [f64]| {
+            let given = &signal[first * d..][..rows.len()];
+            for (row, given) in rows.chunks_exact_mut(d).zip(given.chunks_exact(d)) {
+                for ((centered, value), mean) in row.iter_mut().zip(given).zip(means) {
                     *centered = value - mean;
                 }
             }
-        });
+            match self.weights {
+                RowWeights::Uniform => sum_of_squares(rows) / n as f64,
+                RowWeights::Each(weights) => (rows.chunks_exact(d).zip(&weights[first..]))
+                    .map(|(row, weight)| weight * sum_of_squares(row))
+                    .sum(),
+            }
+        };
+        let parts: Vec<f64> = parallel::map_rows(out, d, super::bands::VERTICES_AT_A_TIME, chunk);
+        parts.into_iter().sum::<f64>().sqrt()
     }
 
     /// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the norms of the band
@@ -193,6 +219,18 @@ impl RowNorm<'_> {
     }
 }
 
+/// Values whose squares are summed at once.
+const TOGETHER: usize = 8;
+
+fn sum_of_squares(values: &[f64]) -> f64 {
+    let (chunks, last) = values.as_chunks::<TOGETHER>();
+    let mut sums = [0.0; TOGETHER];
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value * value);
+    }
+    sums.iter().sum::<f64>() + last.iter().map(|value| value * value).sum::<f64>()
+}
+
 /// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the sums of squares of the
 /// band and of `coarser`.
 fn put_band(
@@ -201,8 +239,6 @@ fn put_band(
     coarser: &[f64],
     put: &impl Fn(&mut f64, f64, f64) -> f64,
 ) -> [f64; 2] {
-    /// Values that are summed at once.
-    const TOGETHER: usize = 8;
     let (outs, last_out) = out.as_chunks_mut::<TOGETHER>();
     let (finers, last_finer) = finer.as_chunks::<TOGETHER>();
     let (coarsers, last_coarser) = coarser.as_chunks::<TOGETHER>();

@@ -1,11 +1,13 @@
-//! The filtered signal of many channels, a group of channels at a time: of an array that is read and written by columns, or
-//! of an image or a volume whose numbers would take twice the memory in 64 bits.
+//! The filtered signal of many channels, a group of channels at a time: of an array that is read and written by columns, of
+//! a series of volumes that are read and written one by one, or of an image or a volume whose numbers would take twice the
+//! memory in 64 bits.
 
 use super::compute::{
-    EditedGroup, Filtered, LevelsAndLayers, SignalChange, edited_parts, levels_and_layers, schedule,
+    BandsAccuracy, EditedGroup, Filtered, LevelsAndLayers, SignalChange, edited_parts, levels_and_layers,
+    schedule,
 };
 use super::resolve::FilterJob;
-use crate::commands::result_file::EditedSignal;
+use crate::commands::result_file::{EditedSignal, note_rounding};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -15,8 +17,8 @@ use crate::resolve::signal::{KEEP_SENTINELS, Signal, SignalValues, note_unknown}
 use adwave::pages::zeros;
 use adwave::{Decomposer, Progress};
 use adwave_io::{
-    Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, WriteError,
-    mark_unknown,
+    Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, VolumeSeries,
+    VolumeSeriesWriter, WriteError, mark_unknown,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -34,6 +36,8 @@ pub(super) enum Columns {
     Array(NpyColumns),
     /// The values of the image or volume itself.
     OfGrid,
+    /// Volumes in a file, which go into another one a volume at a time.
+    Volumes(VolumeSeries),
 }
 
 impl Columns {
@@ -42,6 +46,7 @@ impl Columns {
         match self {
             Self::Array(columns) => columns.n_channels(),
             Self::OfGrid => file.field(GRID_VALUES).map_or(0, |field| field.n_channels),
+            Self::Volumes(series) => series.n_volumes(),
         }
     }
 
@@ -54,7 +59,7 @@ impl Columns {
     ) -> Result<Vec<f64>, CliError> {
         match self {
             Self::Array(columns) => Ok(columns.read(channels, progress)?),
-            Self::OfGrid => {
+            Self::OfGrid | Self::Volumes(_) => {
                 let field = file.field(GRID_VALUES).expect("an image or a volume has values");
                 let mut values = zeros(field.len() * channels.len());
                 values.par_chunks_exact_mut(channels.len()).enumerate().for_each(|(i, row)| {
@@ -76,6 +81,12 @@ pub(super) fn compute_by_columns(
         let decomposer = build_decomposer(&job.input, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), &job.input, global);
         let (n_rows, n_channels) = (job.input.shape.n_vertices(), columns.n_channels(&job.input.file));
+        if let Columns::Volumes(series) = columns {
+            note_rounding(&job.input, &job.signal_name, global);
+            return global.files.write_with(job.result.path(), |path| {
+                filter_volumes(job, series, &decomposer, path, global, progress)
+            });
+        }
         let Columns::Array(_) = columns else {
             let mut values = Values::new(job, n_rows * n_channels);
             let mut filtered = visit_groups(job, columns, &decomposer, global, progress, |at, group| {
@@ -139,6 +150,60 @@ impl Values {
             Self::Double(values) => FieldValues::F64(values),
         }
     }
+}
+
+/// Filters the volumes of a series, a few at the same time, into a file of the same kind at `path`.
+fn filter_volumes(
+    job: &FilterJob<'_>,
+    series: &VolumeSeries,
+    decomposer: &Decomposer,
+    path: &Path,
+    global: &Global<'_>,
+    progress: Progress<'_>,
+) -> Result<Filtered, CliError> {
+    // Errors name the file that the staged one will replace.
+    let failed = |error: WriteError| CliError::from(error.about_file(job.result.path()));
+    let (schedule, layers) = levels_and_layers(job, schedule(job, decomposer, global)?)?;
+    let (n, chosen) = (series.n_volumes(), LevelsAndLayers { schedule: &schedule, layers: &layers });
+    let writer = VolumeSeriesWriter::begin(path, series).map_err(failed)?;
+    let filter = |volume: usize| -> Result<(SignalChange, Option<BandsAccuracy>), CliError> {
+        let mut before = series.read(volume, progress.quiet())?;
+        let mut values = std::mem::take(&mut before.values);
+        let unknown = mark_unknown(&mut values, 1);
+        let signal = Signal { unknown, ..Signal::new(1, SignalValues::Other(values)) };
+        let name = format!("{}, channel {}", job.signal_name, volume + 1);
+        note_unknown(&name, &signal.unknown, global);
+        let parts = SignalParts::new(decomposer, &signal, &name, global)?;
+        let EditedGroup { mut values, accuracy } =
+            edited_parts(job, &parts, &signal.values, Some(chosen), global, progress.quiet())?;
+        let change = SignalChange::new(&signal.values, &values);
+        signal.restore_unknown(&mut values);
+        writer.write(volume, &before, values, progress.quiet()).map_err(failed)?;
+        Ok((change, accuracy))
+    };
+    // Volumes at the same time, which take several vectors each.
+    let together = (GROUP_BYTES / (8 * series.n_places()).max(1)).clamp(1, 2 * rayon::current_num_threads());
+    let (mut change, mut accuracy) = (SignalChange::default(), None);
+    for first in (0..n).step_by(together) {
+        progress.step(first as u64, n as u64).map_err(|_| CliError::Cancelled)?;
+        let volumes = first..(first + together).min(n);
+        let results: Vec<_> = if together == 1 {
+            volumes.map(filter).collect()
+        } else {
+            volumes.into_par_iter().map(filter).collect()
+        };
+        for result in results {
+            let (own, bands) = result?;
+            change = change.plus(own);
+            if let Some(BandsAccuracy { precision, error_bound }) = bands {
+                accuracy = Some(BandsAccuracy::with(accuracy, precision, error_bound));
+            }
+        }
+    }
+    writer.finish(progress.quiet()).map_err(failed)?;
+    progress.step(n as u64, n as u64).map_err(|_| CliError::Cancelled)?;
+    let (decomposer, edited) = (decomposer.clone(), EditedSignal::Written);
+    Ok(Filtered { decomposer, schedule, layers, edited, change, accuracy, quantity: None })
 }
 
 /// Filters group after group, and calls `write` with the first channel and the new values of each.

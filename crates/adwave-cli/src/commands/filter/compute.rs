@@ -14,7 +14,6 @@ use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
 use adwave::filter::{Edit, Gains, Layer};
 use adwave::local_fit::LocalFit;
-use adwave::measure::rms;
 use adwave::positions::{MoveDirection, constrain_positions};
 use adwave::{BandsRequest, Decomposer, EditBits, MANY_CHANNELS, Progress};
 use adwave_io::{region_field, with_axis};
@@ -56,7 +55,7 @@ pub(super) struct BandsAccuracy {
 
 impl BandsAccuracy {
     /// Both together: single precision if either has it.
-    fn with(this: Option<Self>, precision: Precision, error_bound: f64) -> Self {
+    pub(super) fn with(this: Option<Self>, precision: Precision, error_bound: f64) -> Self {
         let other = Self { precision, error_bound };
         let Some(this) = this else { return other };
         let single = [this, other].into_iter().find(|a| a.precision == Precision::Single);
@@ -361,17 +360,14 @@ impl SignalChange {
 
     fn measure(before: &[f64], after: &[f64]) -> Self {
         let known = || before.iter().zip(after).filter(|(a, b)| !(a.is_nan() || b.is_nan()));
-        let max = known().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let n_changed = known().filter(|(a, b)| a != b).count();
-        let n_known = known().count();
-        let rms = match n_known {
-            0 => 0.0,
-            n if n == before.len() => rms(before, after, 1),
-            _ => {
-                let (before, after): (Vec<f64>, Vec<f64>) = known().unzip();
-                rms(&before, &after, 1)
-            }
-        };
+        let (mut max, mut squares, mut n_changed, mut n_known) = (0.0_f64, 0.0, 0, 0);
+        for (a, b) in known() {
+            max = max.max((a - b).abs());
+            squares += (a - b).powi(2);
+            n_changed += usize::from(a != b);
+            n_known += 1;
+        }
+        let rms = (squares / n_known.max(1) as f64).sqrt();
         Self { rms, max, n_changed, n_known }
     }
 }

@@ -12,7 +12,7 @@ use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::pose::ReshapedBy;
 use crate::resolve::region::{region_in_shape, union_of_regions};
-use crate::resolve::shape::{GivenLength, Input, load_shape};
+use crate::resolve::shape::{GivenLength, Input, load_first_volume, load_shape};
 use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
 use crate::resolve::time::TimeBands;
 use crate::resolve::walk::with_given_walk;
@@ -23,11 +23,14 @@ use adwave::operator::{EndPoints, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, jumps_at_seams};
 use adwave::{LevelSpec, MANY_CHANNELS};
-use adwave_io::{GRID_VALUES, MovedNormals, NpyColumns, Recipe, read_recipe};
+use adwave_io::{Format, GRID_VALUES, MovedNormals, NpyColumns, Recipe, VolumeSeries, read_recipe};
 use std::path::Path;
 
 /// Number of values of an image or a volume from which on its channels are filtered in groups: 1 GiB in 64 bits.
 const LARGE: usize = 1 << 27;
+
+/// Number of values of a series of volumes from which on they are read and written one at a time.
+const LARGE_SERIES: usize = 1 << 22;
 
 /// A filter with its shape and signal.
 pub(super) struct FilterJob<'a> {
@@ -103,7 +106,11 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let layers = layers(args, recipe, global)?;
     let levels = levels(args, recipe);
     let operator = operator(args, recipe)?;
-    let input = load_shape(&args.shape, global)?;
+    let series = series_of_input(args, result, global)?;
+    let input = match &series {
+        Some(series) => load_first_volume(&args.shape, series, global)?,
+        None => load_shape(&args.shape, global)?,
+    };
     let asked = args.signal.asked_name().or(recipe.map(|recipe| recipe.field.as_str()));
     let signal_name = asked.unwrap_or_else(|| args.signal.name_on(&input.file)).to_owned();
     let input = input.resolve_cells(&signal_name, global)?;
@@ -114,7 +121,10 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;
     }
-    let columns = columns_of_signal(args, &input, &signal_name, result);
+    let columns = match series {
+        Some(series) => Some(Columns::Volumes(series)),
+        None => columns_of_signal(args, &input, &signal_name, result),
+    };
     let mut signal = match &columns {
         Some(columns) => {
             global.inputs.add_signal(&signal_name, None);
@@ -222,6 +232,40 @@ fn with_open_seams(
     );
     note(global, &text);
     Ok(operator.with_weld(WeldMode::Off))
+}
+
+/// Options with which each volume of a series is filtered by itself.
+const OPTIONS_OF_VOLUMES: [&str; 9] = [
+    "--output",
+    "--levels",
+    "--lengths",
+    "--fwhm",
+    "--steps",
+    "--gains",
+    "--preset",
+    "--accuracy",
+    "--local-fit",
+];
+
+/// The series of volumes that the shape is, if it is large, each volume is filtered by itself, and all values are known.
+fn series_of_input(
+    args: &FilterArgs,
+    result: ResultFile<'_>,
+    global: &Global<'_>,
+) -> Result<Option<VolumeSeries>, CliError> {
+    let (path, output) = (Path::new(&args.shape.shape), result.path());
+    let is_file = path.is_file() && (output.is_file() || !output.exists());
+    let is_named = Format::grid_from_path(output) == Some(Format::NIFTI) && has_extension(output, &["nii"]);
+    if !is_file || !is_named || !global.given.are_among(&OPTIONS_OF_VOLUMES) {
+        return Ok(None);
+    }
+    let Some(series) = VolumeSeries::open(path, &global.limits) else { return Ok(None) };
+    if series.n_volumes().saturating_mul(series.n_places()) < LARGE_SERIES {
+        return Ok(None);
+    }
+    // What is said about unknown values takes them all.
+    let is_finite = series.is_finite(global.progress()).map_err(CliError::input)?;
+    Ok(is_finite.then_some(series))
 }
 
 /// The array that a signal of many channels is read from group by group, if the result is an array too and nothing

@@ -215,6 +215,14 @@ impl NiftiHeader {
         bytes
     }
 
+    /// Slope and intercept of the values.
+    pub(super) fn scaling(&self) -> (f64, f64) {
+        let is_scaled = self.slope.is_finite() && self.slope != 0.0 && self.intercept.is_finite();
+        // Colors are not scaled.
+        let is_color = matches!(self.datatype, 128 | 2304);
+        if is_scaled && !is_color { (self.slope, self.intercept) } else { (1.0, 0.0) }
+    }
+
     /// Type of the numbers, and how many of them make up an item; `None` for types that are no numbers here.
     pub(super) fn value_type(&self) -> Option<(ValueType, usize)> {
         Some(match self.datatype {

@@ -5,6 +5,7 @@
 
 mod header;
 mod read;
+pub(crate) mod series;
 mod write;
 
 use crate::Format;

@@ -32,11 +32,7 @@ pub(super) fn read_nifti(
     let product = |sizes: &[usize]| sizes.iter().try_fold(1_usize, |n, size| n.checked_mul(*size));
     let n_places = product(&header.sizes[..n_axes]).ok_or_else(too_large)?;
     let n_planes = product(&header.sizes[n_axes..]).ok_or_else(too_large)?;
-    let is_scaled = header.slope.is_finite() && header.slope != 0.0 && header.intercept.is_finite();
-    // Colors are not scaled.
-    let is_color = matches!(header.datatype, 128 | 2304);
-    let (slope, intercept) =
-        if is_scaled && !is_color { (header.slope, header.intercept) } else { (1.0, 0.0) };
+    let (slope, intercept) = header.scaling();
     let mut notes = Vec::new();
     if matches!(header.datatype, 32 | 1792) {
         notes.push("complex numbers are two channels, the real and the imaginary part".into());
@@ -52,14 +48,14 @@ pub(super) fn read_nifti(
         ..GridNumbers::new(kind, header.order, n_places, n_components)
     };
     let found = numbers.slice(&bytes, header.start, limits)?;
-    let GridValues { field, kept } = numbers.read(found, progress)?;
+    let GridValues { field, kept, are_numbers } = numbers.read(found, progress)?;
     let layout = GridLayout { kept, ..layout(&header, &mut notes) };
     note_on_missing(&layout, None, &mut notes);
     let mut shape = ShapeFile::from_grid(layout).map_err(|e| ReadError::Whole(e.to_string()))?;
     shape.format = Some(Format::NIFTI);
     shape.vertex_fields.push(field.with_frame_step(frame_step(&header)));
     shape.notes = notes;
-    shape.original = Some(Arc::new(NiftiDocument { bytes, header, numbers }));
+    shape.original = Some(Arc::new(NiftiDocument::new(bytes, header, numbers, are_numbers)));
     Ok(shape)
 }
 

@@ -11,27 +11,49 @@ use crate::{Format, LengthUnit, ShapeFile, ValueType, WriteError};
 /// A NIfTI that was read.
 #[derive(Debug)]
 pub(super) struct NiftiDocument {
-    pub(super) bytes: Vec<u8>,
-    pub(super) header: NiftiHeader,
-    pub(super) numbers: GridNumbers,
+    /// Bytes before the numbers, those of the numbers, and those after them. The numbers are empty if the values are the same.
+    head: Vec<u8>,
+    old: Vec<u8>,
+    tail: Vec<u8>,
+    header: NiftiHeader,
+    numbers: GridNumbers,
+}
+
+impl NiftiDocument {
+    /// A file, of which the bytes of the numbers need not stay where `are_values` says that they are the values.
+    pub(super) fn new(
+        mut bytes: Vec<u8>,
+        header: NiftiHeader,
+        numbers: GridNumbers,
+        are_values: bool,
+    ) -> Self {
+        let tail = bytes.split_off(header.start + numbers.n_bytes().unwrap_or(0));
+        let (head, old) = if are_values {
+            (bytes[..header.start].to_vec(), Vec::new())
+        } else {
+            let old = bytes.split_off(header.start);
+            (bytes, old)
+        };
+        Self { head, old, tail, header, numbers }
+    }
 }
 
 impl SourceDocument for NiftiDocument {
     fn update(&self, shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<Update, WriteError> {
         let field = written_field(shape, c.format, &mut c.report)?;
-        let Self { bytes, header, numbers } = self;
+        let Self { head, old, tail, header, numbers } = self;
         let is_edited = shape.edited.contains(&field.name);
         let kind = shape.value_type.unwrap_or(numbers.kind);
         let has_own_kind = kind == numbers.kind;
-        if !is_edited && has_own_kind {
-            c.out.write_all(bytes)?;
-            return Ok(Update::Written);
-        }
-        let old = &bytes[header.start..header.start + numbers.n_bytes().unwrap_or(0)];
         if has_own_kind && field.n_channels == numbers.n_channels() {
-            c.out.write_all(&bytes[..header.start])?;
-            numbers.write(Some(old), field, c.format, c.out, c.progress)?;
-            c.out.write_all(&bytes[header.start + old.len()..])?;
+            c.out.write_all(head)?;
+            if is_edited || old.is_empty() {
+                let old = (!old.is_empty()).then_some(&old[..]);
+                numbers.write(old, field, c.format, c.out, c.progress)?;
+            } else {
+                c.out.write_all(old)?;
+            }
+            c.out.write_all(tail)?;
             return Ok(Update::Written);
         }
         // Another type, or another number of channels: the rest of the header stays.
@@ -46,7 +68,7 @@ impl SourceDocument for NiftiDocument {
                 return Ok(Update::DoesNotFit);
             }
         }
-        let mut head = bytes[..header.start].to_vec();
+        let mut head = head.clone();
         let mut editor = HeaderEditor { bytes: &mut head, version: header.version, order: header.order };
         editor.set_value_type(kind);
         if sizes != header.sizes {
@@ -56,7 +78,7 @@ impl SourceDocument for NiftiDocument {
         c.out.write_all(&head)?;
         let planes = planes(kind, header.order, shape.n_vertices, field.n_channels);
         planes.write(None, field, c.format, c.out, c.progress)?;
-        c.out.write_all(&bytes[header.start + old.len()..])?;
+        c.out.write_all(tail)?;
         Ok(Update::Written)
     }
 

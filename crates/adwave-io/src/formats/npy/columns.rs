@@ -6,6 +6,7 @@
 use super::read::{HEADER_BYTES, NpyHeader};
 use super::write::header;
 use crate::files::atomic::PendingFile;
+use crate::files::positions::{read_at, write_at};
 use crate::model::field::{Number, with_values};
 use crate::{FieldValues, ReadError, WriteError};
 use adwave::Progress;
@@ -233,28 +234,6 @@ impl NpyColumnsWriter {
         let Self { pending, path, .. } = self;
         pending.finish(progress).map_err(|e| e.in_file(&path))
     }
-}
-
-#[cfg(unix)]
-fn read_at(file: &File, position: u64, bytes: &mut [u8]) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, position)
-}
-
-#[cfg(unix)]
-fn write_at(file: &File, position: u64, bytes: &[u8]) -> io::Result<()> {
-    std::os::unix::fs::FileExt::write_all_at(file, bytes, position)
-}
-
-#[cfg(not(unix))]
-fn read_at(mut file: &File, position: u64, bytes: &mut [u8]) -> io::Result<()> {
-    io::Seek::seek(&mut file, io::SeekFrom::Start(position))?;
-    file.read_exact(bytes)
-}
-
-#[cfg(not(unix))]
-fn write_at(mut file: &File, position: u64, bytes: &[u8]) -> io::Result<()> {
-    io::Seek::seek(&mut file, io::SeekFrom::Start(position))?;
-    io::Write::write_all(&mut file, bytes)
 }
 
 #[cfg(test)]

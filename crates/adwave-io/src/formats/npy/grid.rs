@@ -142,7 +142,7 @@ fn array_shape(
     let n_places = header.n_values / n_channels;
     let numbers = GridNumbers::new(header.value_type, header.order, n_places, n_channels);
     let found = numbers.slice(bytes, header.start, c.limits)?;
-    let GridValues { field, kept } = if header.is_fortran {
+    let GridValues { field, kept, .. } = if header.is_fortran {
         let array = read_npy_bytes(bytes)?;
         let mut plain = Vec::new();
         (0..array.values.len()).for_each(|i| array.values.write_bytes(i, header.order, &mut plain));
