@@ -22,6 +22,7 @@ mod nearest;
 mod order;
 pub(crate) mod orientation;
 mod participation;
+mod parts;
 mod polygons;
 mod prepared_geometry;
 mod seam_jumps;
@@ -55,6 +56,7 @@ pub(crate) use order::reverse_cuthill_mckee;
 pub use participation::{KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, is_stray};
 #[doc(hidden)]
 pub use participation::{describe_outsiders, leads_to, may_be_placeholder, picture_frame};
+pub use parts::{SurfacePart, SurfacePartError, SurfaceParts, surface_parts};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub use seam_jumps::{SeamJumps, jumps_at_seams};
