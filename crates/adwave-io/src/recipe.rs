@@ -9,6 +9,7 @@
 //! local_fit = "linear"           # of a field, or along x, y or z: or "constant"; left out: linear
 //! border = "natural"             # of coordinates: or "keep", "free"; left out: natural
 //! volume = "keep"                # of coordinates: by an offset; left out: free
+//! turned = [0, 512]              # of coordinates: first vertices of parts whose faces are turned over; left out: none
 //!
 //! [[layer]]
 //! preset = "suppress"            # or gains = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
@@ -70,6 +71,8 @@ pub struct Recipe {
     pub clones: Vec<DetailClone>,
     /// Handles that bend the filtered shape.
     pub pose: Option<Pose>,
+    /// First vertices of the parts of a mesh whose faces are turned over in the written file.
+    pub turned: Vec<u32>,
 }
 
 /// Changes nothing; the signal is the coordinates.
@@ -86,6 +89,7 @@ impl Default for Recipe {
             layers: Vec::new(),
             clones: Vec::new(),
             pose: None,
+            turned: Vec::new(),
         }
     }
 }
@@ -118,6 +122,8 @@ struct RecipeTable {
     steps: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     lengths: Option<Vec<Length>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    turned: Vec<u32>,
     #[serde(default, rename = "layer")]
     layers: Vec<Layer>,
     #[serde(default, rename = "clone", skip_serializing_if = "Vec::is_empty")]
@@ -195,6 +201,7 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         layers: table.layers,
         clones: table.clones,
         pose: table.pose,
+        turned: table.turned,
     })
 }
 
@@ -236,6 +243,7 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         layers: recipe.layers.clone(),
         clones: recipe.clones.clone(),
         pose: recipe.pose.clone(),
+        turned: recipe.turned.clone(),
     };
     match &recipe.levels {
         LevelSpec::Default => {}
@@ -305,6 +313,7 @@ mod tests {
             ],
             clones: Vec::new(),
             pose: None,
+            turned: vec![0, 512],
         };
         let text = recipe_to_text(&recipe);
         assert_eq!(parse_recipe(&text).unwrap(), recipe, "{text}");

@@ -32,6 +32,7 @@ pub(crate) mod source_document;
 pub(crate) mod subset;
 pub(crate) mod text_rows;
 pub(crate) mod texture;
+pub(crate) mod turned_faces;
 pub(crate) mod units;
 #[cfg(feature = "volume")]
 pub(crate) mod volume;

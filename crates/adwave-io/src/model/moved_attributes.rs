@@ -50,7 +50,7 @@ impl MovedAttributes {
 }
 
 /// True if a field holds normals as floating-point numbers.
-fn is_normal(field: &Field) -> bool {
+pub(crate) fn is_normal(field: &Field) -> bool {
     let name = field.name.to_ascii_lowercase();
     field.n_channels == 3
         && !field.values.value_type().is_integer()
@@ -58,7 +58,7 @@ fn is_normal(field: &Field) -> bool {
 }
 
 /// True if a field holds tangents as floating-point numbers: a direction, and in the fourth channel a side.
-fn is_tangent(field: &Field) -> bool {
+pub(crate) fn is_tangent(field: &Field) -> bool {
     let name = field.name.to_ascii_lowercase();
     matches!(field.n_channels, 3 | 4) && !field.values.value_type().is_integer() && name == "tangent"
 }

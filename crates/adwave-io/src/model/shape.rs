@@ -38,6 +38,17 @@ pub enum ShapeFileError {
         /// Number of vertices.
         n_vertices: usize,
     },
+    /// The number of flags differs from the number of faces.
+    #[error("expected {n_faces} flags, one per face; got {found}")]
+    FaceCount {
+        /// Number of flags given.
+        found: usize,
+        /// Number of faces.
+        n_faces: usize,
+    },
+    /// Faces of a selection, which is written with the rest of the file.
+    #[error("faces are turned over in a whole file, and this is a part of one; leave out --only and --mask")]
+    PartOfFile,
     /// A new position is not finite.
     #[error("new positions must be finite, but vertex {vertex} would be at ({}, {}, {}); reduce gains, \
             lengths or noise", .point[0], .point[1], .point[2])]

@@ -54,6 +54,11 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         None
     }
 
+    /// Document in which the flagged faces are turned over; `None` if a plain new file has to be written.
+    fn turned(&self, _is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+        None
+    }
+
     /// Part of the shape made from the document itself, with the content that only the document holds; `None` if the
     /// shape's own arrays hold all of it.
     fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {

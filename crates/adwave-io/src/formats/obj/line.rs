@@ -13,7 +13,7 @@ pub(crate) struct Line<'a> {
 type StatementError = (usize, String);
 
 /// Within a statement, the `\` of a continued line is a blank.
-fn is_gap(byte: u8) -> bool {
+pub(super) fn is_gap(byte: u8) -> bool {
     is_space(byte) || byte == b'\\'
 }
 

@@ -14,6 +14,7 @@ mod subset;
 mod texture;
 #[cfg(feature = "texture")]
 mod texture_corners;
+mod turn;
 pub(crate) mod write;
 
 use crate::Format;

@@ -1,9 +1,11 @@
 //! The text of an OBJ, kept to be written again.
 
+use std::sync::Arc;
+
 use adwave::Progress;
 
 use super::read::read_obj;
-use super::{normals, subset, write};
+use super::{normals, subset, turn, write};
 use crate::model::context::WriteContext;
 use crate::model::source_document::{DocumentNormals, SourceDocument, Update};
 use crate::model::subset::Subset;
@@ -26,6 +28,11 @@ impl SourceDocument for ObjSource {
         }
         let text = subset::text(&self.0.bytes, &self.0.rows, shape.faces.corners().len(), part);
         read_obj(text, &ReadLimits::default(), Progress::none()).ok().map(ShapeFile::with_original_fields)
+    }
+
+    fn turned(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+        let bytes = turn::turned_text(&self.0.bytes, is_turned)?;
+        Some(Arc::new(Self(TextRows { bytes, rows: self.0.rows.clone(), ..self.0 })))
     }
 
     fn corner_normals(&self, shape: &ShapeFile) -> Option<DocumentNormals> {

@@ -36,7 +36,7 @@ pub(crate) struct Element {
     pub(crate) line: usize,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PlyHeader {
     pub(crate) encoding: Encoding,
     /// Range of every line with its line end.

@@ -6,6 +6,7 @@ pub(crate) mod body;
 pub(crate) mod fixed;
 pub(crate) mod header;
 pub(crate) mod read;
+mod turn;
 pub(crate) mod update;
 pub(crate) mod write;
 

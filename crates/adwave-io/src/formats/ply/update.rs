@@ -2,12 +2,14 @@
 //! vertex fields become the last properties of the vertices.
 
 use std::io::Write;
+use std::sync::Arc;
 
 use adwave::Progress;
 
 use crate::formats::ply::body::PlyBody;
 use crate::formats::ply::header::{Element, Encoding, PlyHeader, PlySource, PropertyKind};
 use crate::formats::ply::read::{corner_list, texcoord_list};
+use crate::formats::ply::turn::turned_bytes;
 use crate::formats::ply::write::{ValueStyle, note_rounding, property_lines, push_fields};
 use crate::model::context::WriteContext;
 use crate::model::source_document::{SourceDocument, Update};
@@ -35,12 +37,28 @@ impl SourceDocument for PlySource {
         Ok(Update::Written)
     }
 
+    fn turned(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+        let bytes = turned_bytes(self, is_turned)?;
+        Some(Arc::new(Self { bytes, ..self.without_bytes() }))
+    }
+
     fn corner_texcoords(&self, shape: &ShapeFile) -> Option<Vec<f64>> {
         self.read_texcoords().ok().flatten().filter(|values| values.len() == 2 * shape.faces.corners().len())
     }
 }
 
 impl PlySource {
+    /// Copy of all but the bytes.
+    fn without_bytes(&self) -> Self {
+        Self {
+            bytes: Vec::new(),
+            header: self.header.clone(),
+            vertex: self.vertex,
+            rows: self.rows,
+            field_properties: self.field_properties.clone(),
+        }
+    }
+
     /// Texture coordinates of the corners of all faces, NaN at faces without; `None` if there is no list of them.
     fn read_texcoords(&self) -> Result<Option<Vec<f64>>, ReadError> {
         let (encoding, progress) = (self.header.encoding, Progress::none());

@@ -30,6 +30,11 @@ impl SourceDocument for StlSource {
         true
     }
 
+    fn turned(&self, _: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+        let (header, solids, points) = (self.header.clone(), self.solids.clone(), Arc::clone(&self.points));
+        Some(Arc::new(Self { header, solids, points }))
+    }
+
     fn subset(&self, _: &[u32]) -> Option<Arc<dyn SourceDocument>> {
         let (header, solids) = (self.header.clone(), self.solids.clone());
         Some(Arc::new(Self { header, solids, points: Arc::default() }))
