@@ -277,6 +277,11 @@ impl EditorData {
         let (editor, shape) = (&mut *editor, self.shape.get());
         let names = shape.field_names();
         let given = &recipe.get().recipe;
+        if !given.turned.is_empty() {
+            return Err(value_error(
+                "recipe: 'turned' is applied by 'adwave filter --recipe' only; remove it",
+            ));
+        }
         if given.pose.is_some() || !given.clones.is_empty() {
             return Err(value_error(
                 "recipe: [[clone]] and [pose] are applied by 'adwave filter --recipe' only; remove them, and use clone_detail \

@@ -5,8 +5,10 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, count, output_format, print, write_shape};
 use crate::resolve::applicable::check_source_options;
-use crate::resolve::shape::{Rest, SelectionUse, ShapeSource, load_source, row_words, select};
-use clap::Args;
+use crate::resolve::shape::{Input, Rest, SelectionUse, ShapeSource, load_source, row_words, select};
+use crate::resolve::turned::{TurnedParts, turn_parts};
+use adwave::shape::{PreparedGeometry, WeldMode, surface_parts};
+use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -23,6 +25,7 @@ Examples:
   adwave convert scan.e57 -o scan.laz
   adwave convert land.copc.laz -o corner.laz --box 635000,848000,636000,849000 --resolution 2
   adwave convert scan.laz -o ground.ply --only classification=2
+  adwave convert part.stl -o turned.stl --turn-faces inward
   adwave convert scan.ply -o - | other-program")]
 pub(crate) struct ConvertArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
@@ -32,9 +35,40 @@ pub(crate) struct ConvertArgs {
     part: CloudPartArgs,
     #[command(flatten)]
     selection: SelectionArgs,
+    /// Turn faces over: of closed parts whose faces point inward, or of all parts. Walls of cavities point inward
+    /// rightly, and stay. Normals of the file follow if they belonged to the old front
+    #[arg(long, value_name = "WHICH")]
+    turn_faces: Option<TurnedFaces>,
     /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
+}
+
+/// Parts whose faces are turned over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum TurnedFaces {
+    /// Closed parts whose faces point inward
+    Inward,
+    /// All parts
+    All,
+}
+
+/// Turns over the faces of some parts of a mesh.
+fn turn_faces(which: TurnedFaces, input: &mut Input, global: &Global<'_>) -> Result<TurnedParts, CliError> {
+    if input.file.faces().is_empty() {
+        let applies = format!("applies to meshes, and {} has no faces", input.name);
+        global.given.refuse(&["--turn-faces"], &applies)?;
+    }
+    let shape = input.file.to_shape()?;
+    let geometry = PreparedGeometry::new(&shape, WeldMode::default(), global.progress())?;
+    let parts = surface_parts(&geometry, global.progress())?;
+    drop(geometry);
+    drop(shape);
+    let first_vertices = match which {
+        TurnedFaces::Inward => parts.inward(),
+        TurnedFaces::All => parts.parts.iter().map(|part| part.first_vertex).collect(),
+    };
+    turn_parts(input, &parts, &first_vertices)
 }
 
 pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -57,27 +91,30 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
         input.file = select(input.file, &input.name, selection, global)?;
         input.file.forget_left_out();
     }
+    let turned = args.turn_faces.map(|which| turn_faces(which, &mut input, global)).transpose()?;
     let file = &input.file;
     let report = write_shape(global, file, &args.output)?;
     let (n_vertices, n_faces, [one, many]) = (file.n_vertices(), file.faces().len(), input.row_words());
     let output = args.output.display();
     let faces = if file.grid().is_some() { String::new() } else { count(n_faces, "face", "faces") + ", " };
-    print(
-        global,
-        &format!(
-            "{}, {faces}{}\n{output}\n",
-            count(n_vertices, one, many),
-            count(file.vertex_fields().len(), "field", "fields")
-        ),
-        &json!({
-            "input": input.name,
-            "format": file.format().map(adwave_io::Format::name),
-            row_words(file)[1]: n_vertices,
-            "faces": n_faces,
-            "fields": file.field_names(),
-            "not_written": report.not_written,
-            "notes": report.notes,
-            "output": output.to_string(),
-        }),
-    )
+    let mut text = format!(
+        "{}, {faces}{}\n",
+        count(n_vertices, one, many),
+        count(file.vertex_fields().len(), "field", "fields")
+    );
+    let mut summary = json!({
+        "input": input.name,
+        "format": file.format().map(adwave_io::Format::name),
+        row_words(file)[1]: n_vertices,
+        "faces": n_faces,
+        "fields": file.field_names(),
+        "not_written": report.not_written,
+        "notes": report.notes,
+        "output": output.to_string(),
+    });
+    if let Some(turned) = turned {
+        turned.describe(&mut text);
+        turned.add_to(&mut summary);
+    }
+    print(global, &format!("{text}{output}\n"), &summary)
 }

@@ -11,5 +11,6 @@ pub(crate) mod region;
 pub(crate) mod shape;
 pub(crate) mod signal;
 pub(crate) mod time;
+pub(crate) mod turned;
 pub(crate) mod up;
 pub(crate) mod walk;

@@ -58,6 +58,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) positions: PositionParams,
     /// Clones and handles of the recipe, for the filtered shape.
     pub(super) reshaped_by: Option<ReshapedBy>,
+    /// First vertices of the parts whose faces are turned over in the result.
+    pub(super) turned: Vec<u32>,
     pub(super) bands: BandsParams,
     pub(super) normals: MovedNormals,
     pub(super) result: ResultFile<'a>,
@@ -159,6 +161,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     Ok(FilterJob {
         input,
         reshaped_by: reshaped_by(recipe, &signal_name)?,
+        turned: recipe.map_or_else(Vec::new, |recipe| recipe.turned.clone()),
         signal_name,
         signal,
         columns,
@@ -313,6 +316,12 @@ fn load_recipe(path: &Path, global: &Global<'_>) -> Result<Recipe, CliError> {
 /// Clones and handles of the recipe, for coordinates only.
 fn reshaped_by(recipe: Option<&Recipe>, signal_name: &str) -> Result<Option<ReshapedBy>, CliError> {
     let by = recipe.and_then(ReshapedBy::from_recipe);
+    if recipe.is_some_and(|recipe| !recipe.turned.is_empty()) && signal_name != COORDS {
+        return Err(CliError::Input(format!(
+            "'turned' of the recipe turns faces over when coordinates are written, and the signal is {signal_name}; \
+             remove it from the recipe"
+        )));
+    }
     if by.is_some() && signal_name != COORDS {
         return Err(CliError::Input(format!(
             "[[clone]] and [pose] of the recipe change coordinates, and the signal is {signal_name}; remove them from the recipe"
@@ -348,7 +357,7 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Re
         )?;
     }
     if let Some(recipe) = recipe {
-        if recipe.layers.is_empty() && ReshapedBy::from_recipe(recipe).is_none() {
+        if recipe.layers.is_empty() && ReshapedBy::from_recipe(recipe).is_none() && recipe.turned.is_empty() {
             note(global, "the recipe has no [[layer]], so nothing changes");
         }
         return Ok(recipe.layers.clone());

@@ -11,9 +11,11 @@ use crate::output::{count, number, print, steps_json, write_file_with};
 use crate::resolve::pose::ReshapedBy;
 use crate::resolve::shape::Input;
 use crate::resolve::signal::COORDS;
-use adwave::LevelSpec;
+use crate::resolve::turned::turn_parts;
 use adwave::bands::Precision;
 use adwave::region::Length;
+use adwave::shape::surface_parts;
+use adwave::{LevelSpec, Progress};
 use adwave_io::{Recipe, write_recipe};
 use serde_json::json;
 use std::fmt::Write;
@@ -78,6 +80,12 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         }
         report["bands"] = json!({"precision": precision.name(), "error_bound": error_bound});
     }
+    if !job.turned.is_empty() {
+        let parts = surface_parts(decomposer.geometry_for("parts of a surface")?, Progress::none())?;
+        let turned = turn_parts(&mut job.input, &parts, &job.turned)?;
+        turned.describe(&mut text);
+        turned.add_to(&mut report);
+    }
     job.result.write(&mut job.input, &signal, edited, job.normals, global)?;
     let _ = writeln!(text, "{output}");
     if let (Some(saved), Some(levels)) = (job.save_recipe, saved_levels) {
@@ -92,6 +100,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
             layers,
             clones: job.reshaped_by.as_ref().map_or_else(Vec::new, |by| by.clones.clone()),
             pose: job.reshaped_by.as_ref().and_then(|by| by.pose.clone()),
+            turned: job.turned,
         };
         write_file_with(global, saved.path, |path| write_recipe(path, &recipe))?;
         let _ = writeln!(text, "{}", saved.path.display());
