@@ -41,6 +41,9 @@ pub struct Document {
     /// Handles that bend the shape after all other edits.
     #[serde(default)]
     pub pose: Option<Pose>,
+    /// First vertices of the parts of a mesh whose faces are turned over in saved files, ascending.
+    #[serde(default)]
+    pub turned: Vec<u32>,
     /// Edits of fields; the layers above do not change fields.
     #[serde(default)]
     pub fields: Vec<FieldEdit>,
@@ -118,6 +121,12 @@ impl Document {
     /// Checks the rules that do not depend on the shape.
     pub(crate) fn check(&self, n_levels: usize) -> Result<(), ApiError> {
         self.reshaped_by().check()?;
+        if let Some(pair) = self.turned.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(ApiError::bad_request(format!(
+                "turned parts must be in ascending order, each once, got {} before {}; sort them",
+                pair[0], pair[1]
+            )));
+        }
         check_layers(&self.layers, n_levels)?;
         if self.fields.len() > MAX_FIELDS {
             let n = self.fields.len();
@@ -192,6 +201,7 @@ impl Document {
             layers: self.active_layers(),
             clones: self.clones.clone(),
             pose: self.pose.clone(),
+            turned: self.turned.clone(),
             ..Recipe::default()
         }
     }
@@ -225,8 +235,18 @@ impl Document {
         }
         let layers = layers_of_recipe(recipe, n_levels)?;
         let PositionParams { along, borders, volume, .. } = recipe.positions;
-        let (clones, pose) = (recipe.clones.clone(), recipe.pose.clone());
-        Ok(Self { revision, layers, along, border: borders, volume, clones, pose, fields: Vec::new() })
+        let (clones, pose, turned) = (recipe.clones.clone(), recipe.pose.clone(), recipe.turned.clone());
+        Ok(Self {
+            revision,
+            layers,
+            along,
+            border: borders,
+            volume,
+            clones,
+            pose,
+            turned,
+            fields: Vec::new(),
+        })
     }
 }
 

@@ -29,10 +29,30 @@ struct ExportedShape {
     triangles: Vec<[u32; 3]>,
 }
 
+impl ExportedShape {
+    /// Turns over the triangles of the parts that the edit turns.
+    fn turned(self, prepared: &PreparedShape) -> Result<Self, ApiError> {
+        if prepared.bands.document.turned.is_empty() {
+            return Ok(self);
+        }
+        let Self { vertices, mut triangles } = self;
+        let of_shape = |triangle: &[u32; 3]| triangle.map(|v| vertices[v as usize]);
+        let before: Vec<[u32; 3]> = triangles.iter().map(of_shape).collect();
+        let after = prepared.turned_triangles(&before)?;
+        for (triangle, (before, after)) in triangles.iter_mut().zip(before.iter().zip(&after)) {
+            if before != after {
+                triangle.swap(1, 2);
+            }
+        }
+        Ok(Self { vertices, triangles })
+    }
+}
+
 /// Responds with the HTML file of the current edit.
 pub(crate) fn export_page(session: &Session) -> ApiResult {
     let exported = select_vertices(session)?;
     let prepared = session.lock_prepared()?;
+    let exported = exported.turned(&prepared)?;
     let content = encode_content(session, &prepared, &exported);
     drop(prepared);
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());

@@ -266,8 +266,10 @@ impl GridSession {
                 "the recipe edits '{}', and {kind} has the field '{GRID_VALUES}'; open the file that it belongs to",
                 recipe.field
             )
-        } else if !recipe.clones.is_empty() || recipe.pose.is_some() {
-            format!("[[clone]] and [pose] of the recipe change positions, and {kind} has none; remove them")
+        } else if !recipe.clones.is_empty() || recipe.pose.is_some() || !recipe.turned.is_empty() {
+            format!(
+                "[[clone]], [pose] and turned of the recipe change shapes, and {kind} is none; remove them"
+            )
         } else if recipe.layers.iter().any(|layer| layer.region != Region::Everywhere {}) {
             format!(
                 "the recipe has a region, and the studio edits {kind} as a whole; apply it with `adwave filter --recipe`"
@@ -398,12 +400,13 @@ impl GridBands {
         document.check(self.edit.n_levels())?;
         let is_gains_alone = document.clones.is_empty()
             && document.pose.is_none()
+            && document.turned.is_empty()
             && document.fields.is_empty()
             && document.layers.iter().all(|layer| layer.region.is_none());
         if !is_gains_alone {
             return Err(ApiError::bad_request(
-                "an edit of an image or a volume has layers without regions alone; remove regions, clones, poses and \
-                 fields, or use `adwave filter --region`",
+                "an edit of an image or a volume has layers without regions alone; remove regions, clones, poses, \
+                 turned parts and fields, or use `adwave filter --region`",
             ));
         }
         let layers = |document: &Document, n_levels: usize| -> Result<Vec<WeightedLayer>, ApiError> {

@@ -12,7 +12,7 @@ use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::constrain_positions;
 use adwave::region::{Region, RegionWeights};
-use adwave::shape::{Health, Shape};
+use adwave::shape::{Health, Shape, SurfacePart, SurfaceParts, enclosed_volume, surface_parts};
 use adwave::signal::OutwardNormals;
 use adwave::{Decomposer, Progress};
 use adwave_io::{ShapeFile, file_normals};
@@ -43,6 +43,8 @@ pub(crate) struct PreparedShape {
     health: OnceLock<Health>,
     /// Outward normals of the original shape; an edit does not change the outside.
     outward_normals: OnceLock<OutwardNormals>,
+    /// Connected parts of a mesh.
+    parts: OnceLock<SurfaceParts>,
     /// Regions of the active layers with their weights.
     regions: Vec<(Region, RegionWeights)>,
     /// Bands of the field that was edited last.
@@ -97,6 +99,7 @@ impl PreparedShape {
             poser: Arc::new(Poser::new(walk_decomposer.clone())),
             health: OnceLock::new(),
             outward_normals: OnceLock::new(),
+            parts: OnceLock::new(),
             regions: Vec::new(),
             field_bands: None,
         })
@@ -124,6 +127,59 @@ impl PreparedShape {
     /// Returns the counts of components and defects, which are computed once.
     pub(crate) fn health(&self) -> &Health {
         self.health.get_or_init(|| self.bands.decomposer.health())
+    }
+
+    /// Returns the connected parts of a mesh, which are found once; other shapes have none.
+    pub(crate) fn parts(&self) -> Result<&SurfaceParts, ApiError> {
+        if let Some(parts) = self.parts.get() {
+            return Ok(parts);
+        }
+        let parts = match self.bands.decomposer.geometry() {
+            Some(geometry) => {
+                surface_parts(geometry, Progress::none()).map_err(|e| ApiError::from_classified(&e))?
+            }
+            None => SurfaceParts::default(),
+        };
+        Ok(self.parts.get_or_init(|| parts))
+    }
+
+    /// Lists the closed parts whose faces point inward, those with the most faces first.
+    pub(crate) fn inward_parts(&self) -> Result<Vec<SurfacePart>, ApiError> {
+        let health = self.health();
+        if health.n_components == 1 {
+            // The usual shape: its only part begins at the first vertex.
+            let volume = health.volume.filter(|volume| *volume < 0.0);
+            let part = |volume| SurfacePart {
+                first_vertex: 0,
+                n_faces: health.n_faces,
+                volume: Some(volume),
+                is_inward: true,
+            };
+            return Ok(volume.map(part).into_iter().collect());
+        }
+        let mut parts: Vec<SurfacePart> =
+            self.parts()?.parts.iter().filter(|part| part.is_inward).copied().collect();
+        parts.sort_by_key(|part| (std::cmp::Reverse(part.n_faces), part.first_vertex));
+        Ok(parts)
+    }
+
+    /// True for each face of the file that is turned over by an edit.
+    pub(crate) fn turned_faces(&self, turned: &[u32], file: &ShapeFile) -> Result<Vec<bool>, ApiError> {
+        self.parts()?.faces_of(turned, file.faces()).map_err(|e| ApiError::from_classified(&e))
+    }
+
+    /// Returns the triangles with those of the turned parts turned over.
+    pub(crate) fn turned_triangles(&self, triangles: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, ApiError> {
+        let turned = &self.bands.document.turned;
+        if turned.is_empty() {
+            return Ok(triangles.to_vec());
+        }
+        let parts = self.parts()?;
+        let is_turned = |v: u32| {
+            let part = parts.parts.get(parts.of_vertex[v as usize] as usize);
+            part.is_some_and(|part| turned.binary_search(&part.first_vertex).is_ok())
+        };
+        Ok(triangles.iter().map(|&[a, b, c]| if is_turned(a) { [a, c, b] } else { [a, b, c] }).collect())
     }
 
     /// Returns the outward normals of the original shape, which are computed once.
@@ -157,6 +213,9 @@ impl PreparedShape {
         file: &ShapeFile,
     ) -> Result<EditSummary, ApiError> {
         document.check(self.bands.n_levels())?;
+        if !document.turned.is_empty() {
+            self.turned_faces(&document.turned, file)?;
+        }
         let (mut weighted, mut regions) = (Vec::new(), Vec::new());
         for (k, layer) in document.active_layers().into_iter().enumerate() {
             let gains =
@@ -225,19 +284,35 @@ impl PreparedShape {
                 "vertex {vertex} would move beyond the range of single precision; choose smaller gains or motions"
             )));
         }
-        let volume = self.volumes(&points);
+        let volume = self.volumes(&points, &document.turned)?;
         let summary =
             EditSummary { revision: document.revision, greatest: moved.max, rms: moved.rms, volume };
         Ok(EditedPoints { points, unposed, summary })
     }
 
-    /// Returns the volume before and after the edit, in cubed model units; `None` for a surface that encloses no
-    /// volume.
-    fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
-        let geometry = self.bands.decomposer.geometry()?;
-        self.health()
-            .volume
-            .map(|before| [before, geometry.volume_of(&geometry.vertex_map().positions(points))])
+    /// Returns the volume before and after the edit, in cubed model units, both with the parts that are turned over;
+    /// `None` for a surface that encloses no volume.
+    fn volumes(&self, points: &[[f64; 3]], turned: &[u32]) -> Result<Option<[f64; 2]>, ApiError> {
+        let (Some(geometry), Some(before)) = (self.bands.decomposer.geometry(), self.health().volume) else {
+            return Ok(None);
+        };
+        let edited = geometry.vertex_map().positions(points);
+        let after = geometry.volume_of(&edited);
+        if turned.is_empty() {
+            return Ok(Some([before, after]));
+        }
+        // Each turned part is subtracted instead of added.
+        let parts = self.parts()?;
+        let mut is_turned = vec![false; geometry.n_vertices()];
+        for (&welded, &part) in geometry.vertex_map().as_slice().iter().zip(&parts.of_vertex) {
+            let part = parts.parts.get(part as usize);
+            is_turned[welded as usize] |=
+                part.is_some_and(|part| turned.binary_search(&part.first_vertex).is_ok());
+        }
+        let triangles: Vec<[u32; 3]> =
+            geometry.triangles().iter().filter(|t| is_turned[t[0] as usize]).copied().collect();
+        let twice = |points: &[[f64; 3]]| 2.0 * enclosed_volume(points, &triangles);
+        Ok(Some([before - twice(geometry.points()), after - twice(&edited)]))
     }
 
     /// Encodes W_j at all vertices as a scale and integers `i16 × 4 × n`, of which every fourth is 0.

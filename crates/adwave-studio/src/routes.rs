@@ -43,6 +43,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/positions", get(send_positions))
         .route("/triangles", get(send_triangles))
         .route("/surface", get(send_surface))
+        .route("/parts", get(send_parts))
         .route("/levels", put(set_levels))
         .route("/bands", get(stream_bands))
         .route("/edit", get(send_edit).merge(put(apply_edit)))
@@ -176,6 +177,19 @@ async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Respon
         });
         content.extend(encode_rows(welded.len(), 4, |x, row| row.copy_from_slice(&welded[x].to_le_bytes())));
         Ok(bytes_response(content))
+    })
+    .await
+}
+
+/// Sends the first vertex of the connected part of each vertex, `u32 × n`.
+async fn send_parts(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| {
+        let prepared = session.lock_prepared()?;
+        let parts = prepared.parts()?;
+        let first = |part: u32| parts.parts.get(part as usize).map_or(u32::MAX, |part| part.first_vertex);
+        Ok(bytes_response(encode_rows(parts.of_vertex.len(), 4, |v, row| {
+            row.copy_from_slice(&first(parts.of_vertex[v]).to_le_bytes());
+        })))
     })
     .await
 }

@@ -176,9 +176,14 @@ impl Session {
         self.workspace.store_edit(&prepared.bands.levels, &prepared.bands.document)
     }
 
-    /// Returns the content of the file with the edited positions.
+    /// Returns the content of the file with the edited positions, and with its turned parts.
     pub(crate) fn edited_file(&self, prepared: &PreparedShape) -> Result<ShapeFile, ApiError> {
         let mut file = ShapeFile::clone(&self.file());
+        let turned = &prepared.bands.document.turned;
+        if !turned.is_empty() {
+            let is_turned = prepared.turned_faces(turned, &file)?;
+            file.turn_faces(&is_turned).map_err(|e| ApiError::from_classified(&e))?;
+        }
         file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
             .map_err(|e| ApiError::from_classified(&e))?;
         Ok(file)
@@ -195,6 +200,11 @@ impl Session {
     pub(crate) fn describe(&self) -> Result<Value, ApiError> {
         let prepared = self.lock_prepared()?;
         let health = prepared.health();
+        let inward: Vec<Value> = prepared
+            .inward_parts()?
+            .iter()
+            .map(|part| json!({"vertex": part.first_vertex, "n_faces": part.n_faces, "volume": part.volume}))
+            .collect();
         let (workspace, bands) = (&self.workspace, &prepared.bands);
         let kind = if self.triangles.is_empty() { "cloud" } else { "mesh" };
         Ok(json!({
@@ -211,6 +221,7 @@ impl Session {
             "closed": health.is_closed(),
             "volume": health.volume,
             "components": health.n_components,
+            "inward": inward,
             "notes": describe_defects(health),
             "levels": bands.level_infos(),
             "choice": bands.levels_request(),

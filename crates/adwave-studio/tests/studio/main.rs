@@ -7,3 +7,4 @@ mod guard;
 mod pose;
 mod server;
 mod tools;
+mod turned;

@@ -33,7 +33,7 @@ pub(crate) fn layer(gains: &[f64], region: &Value) -> Value {
 
 pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
     json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free",
-        "clones": [], "pose": null, "fields": []})
+        "clones": [], "pose": null, "turned": [], "fields": []})
 }
 
 /// Carries positions into a pose by a deformation that was never bound before.

@@ -1,9 +1,11 @@
 /** First contact with a shape: its colors, facts about places, and gains that are refused. */
 
+import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  askServer,
   coverage,
   currentEdit,
   dropFile,
@@ -11,6 +13,7 @@ import {
   openFile,
   openStudio,
   pictureFrame,
+  saveShape,
   setSlider,
   startPainting,
   waitForBands,
@@ -19,7 +22,7 @@ import {
   waitUntilSaved,
 } from './support/page';
 import { decodePng } from './support/png';
-import { creature, OUT } from './support/studio-server';
+import { ADWAVE, creature, OUT } from './support/studio-server';
 
 /** A wavy sheet of points, red on one half and blue on the other, as a PLY of text. */
 function coloredCloud(): string {
@@ -48,6 +51,42 @@ function insideOut(path: string): Buffer {
     bytes.subarray(at, at + 8).set([...bytes.subarray(at + 4, at + 8), ...bytes.subarray(at, at + 4)]);
   }
   return bytes;
+}
+
+/** Three copies of a mesh beside each other as a binary PLY, of which the second and the third are inside out. */
+function threeParts(path: string): Buffer {
+  const copies = [readFileSync(path), insideOut(path), insideOut(path)];
+  const end = copies[0]!.indexOf('end_header\n') + 'end_header\n'.length;
+  const head = copies[0]!.toString('latin1', 0, end);
+  const [n, m] = ['vertex', 'face'].map((what) =>
+    Number(head.match(new RegExp(`element ${what} (\\d+)`))![1]),
+  );
+  const vertices = copies.map((bytes, k) => {
+    const rows = Buffer.from(bytes.subarray(end, end + 24 * n!));
+    for (let v = 0; v < n!; v++) rows.writeDoubleLE(rows.readDoubleLE(24 * v) + 1.4 * (k - 1), 24 * v);
+    return rows;
+  });
+  const faces = copies.map((bytes, k) => {
+    const rows = Buffer.from(bytes.subarray(end + 24 * n!, end + 24 * n! + 13 * m!));
+    for (let f = 0; f < m!; f++)
+      for (const at of [1, 5, 9]) rows.writeUInt32LE(rows.readUInt32LE(13 * f + at) + k * n!, 13 * f + at);
+    return rows;
+  });
+  const counts = head.replace(`vertex ${n}`, `vertex ${3 * n!}`).replace(`face ${m}`, `face ${3 * m!}`);
+  return Buffer.concat([Buffer.from(counts, 'latin1'), ...vertices, ...faces]);
+}
+
+/** Corners of the triangles of a binary PLY, from the smallest one on. */
+function facesOf(bytes: Buffer): number[][] {
+  const start = bytes.indexOf('end_header\n') + 'end_header\n'.length;
+  const head = bytes.toString('latin1', 0, start);
+  const count = (what: string) => Number(head.match(new RegExp(`element ${what} (\\d+)`))![1]);
+  return Array.from({ length: count('face') }, (_, f) => {
+    const at = start + 24 * count('vertex') + 13 * f + 1;
+    const corners = [0, 4, 8].map((byte) => bytes.readUInt32LE(at + byte));
+    const first = corners.indexOf(Math.min(...corners));
+    return [...corners.slice(first), ...corners.slice(0, first)];
+  });
 }
 
 /** Mean brightness of the middle of the picture. */
@@ -186,18 +225,32 @@ test.describe
       await page.waitForTimeout(500);
       expect((await brightness(page)) / outside).toBeCloseTo(1, 1);
       await page.screenshot({ path: join(OUT, '50-inside-out.png') });
-      await page.getByRole('button', { name: 'Turn them in this view' }).click();
-      await expect(page.locator('.toasts')).toContainText('files keep them');
+      await page.getByRole('button', { name: 'Turn them outward' }).click();
       await expect(page.locator('.readouts')).toContainText('Volume0.3');
+      await page.waitForTimeout(500);
       expect((await brightness(page)) / outside).toBeCloseTo(1, 1);
-      await page.getByRole('button', { name: 'File', exact: true }).click();
-      await expect(page.getByRole('dialog')).toContainText('Its faces point inward');
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).turned).toEqual([0]);
       await page.screenshot({ path: join(OUT, '51-turned.png') });
-      await page.keyboard.press('Escape');
+      // The saved file has the triangles of the creature itself, each begun at the same corner.
+      const saved = await saveShape(page, 'turned.ply');
+      const command = join(studio.folder, 'turned-by-command.ply');
+      execFileSync(ADWAVE, ['convert', path, '-o', command, '--turn-faces', 'inward']);
+      expect(readFileSync(saved).equals(readFileSync(command)), 'the bytes of the command').toBe(true);
+      expect(facesOf(readFileSync(saved))).toEqual(facesOf(readFileSync(creature(5000))));
       await page.reload();
       await waitUntilReady(page);
       await page.getByRole('tab', { name: 'View' }).click();
-      await expect(page.getByLabel('Turn faces outward'), 'the view is remembered').toBeChecked();
+      await expect(page.getByLabel('Turn faces outward'), 'the edit is kept').toBeChecked();
+      await undo().click();
+      await expect(page.getByLabel('Turn faces outward')).not.toBeChecked();
+      await expect(page.locator('.readouts')).toContainText('Volume (faces point inward)−0.3');
+      await waitUntilSaved(page);
+      const unturned = await saveShape(page, 'unturned.ply');
+      expect(readFileSync(unturned).equals(readFileSync(path)), 'as it was').toBe(true);
+      await page.getByRole('button', { name: 'File', exact: true }).click();
+      await expect(page.getByRole('dialog')).toContainText('Its faces point inward');
+      await page.keyboard.press('Escape');
       // The brush paints the side that is seen.
       await page.getByRole('tab', { name: 'Brush' }).click();
       await page.getByLabel('Front faces only').check();
@@ -206,5 +259,65 @@ test.describe
       await page.mouse.click(x, y);
       expect(await waitForStrokes(page, 1)).toBe(true);
       expect(await coverage(page), 'something is painted').toBeGreaterThan(255);
+    });
+
+    test('inward parts of a shape are named, and turned one by one or together', async () => {
+      const path = join(studio.folder, 'three-parts.ply');
+      writeFileSync(path, threeParts(creature(5000)));
+      await openFile(page, path);
+      await page.locator('.tab.here', { hasText: 'three-parts.ply' }).waitFor();
+      await waitForBands(page);
+      await expect(page.locator('.toasts')).toContainText('The faces of 2 of 3 parts point inward');
+      await page.getByRole('tab', { name: 'View', exact: true }).click();
+      const faces = page.getByRole('group', { name: 'Faces that point inward' });
+      const first = faces.getByLabel(/^Turn the part at vertex 4948 /);
+      const second = faces.getByLabel(/^Turn the part at vertex 9896 /);
+      await expect(first).not.toBeChecked();
+      await page.waitForTimeout(500);
+      await page.screenshot({ path: join(OUT, '52-three-parts.png') });
+      await second.check();
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).turned).toEqual([9896]);
+      const one = facesOf(readFileSync(await saveShape(page, 'one.ply')));
+      const plain = facesOf(readFileSync(path));
+      const n = plain.length / 3;
+      expect(one.slice(0, 2 * n), 'the others stay').toEqual(plain.slice(0, 2 * n));
+      const asFirst = plain.slice(0, n).map((corners) => corners.map((v) => v + 9896));
+      expect(one.slice(2 * n)).toEqual(asFirst);
+      await faces.getByRole('button', { name: 'Turn all outward' }).click();
+      await expect(first).toBeChecked();
+      await waitUntilSaved(page);
+      await page.waitForTimeout(500);
+      await page.screenshot({ path: join(OUT, '53-three-parts-turned.png') });
+      const both = await saveShape(page, 'both.ply');
+      const command = join(studio.folder, 'both-by-command.ply');
+      execFileSync(ADWAVE, ['convert', path, '-o', command, '--turn-faces', 'inward']);
+      expect(readFileSync(both).equals(readFileSync(command)), 'the bytes of the command').toBe(true);
+      // With gains too, the recipe gives the bytes of the saved file.
+      await setSlider(page, 0, 40);
+      await waitUntilSaved(page);
+      const edited = await saveShape(page, 'edited.ply');
+      const recipe = join(studio.folder, 'turned.toml');
+      writeFileSync(recipe, await askServer(page, 'recipe'));
+      const replayed = join(studio.folder, 'replayed.ply');
+      execFileSync(ADWAVE, ['filter', path, '-o', replayed, '--recipe', recipe]);
+      expect(readFileSync(edited).equals(readFileSync(replayed)), 'the bytes of the recipe').toBe(true);
+      await undo().click();
+      await undo().click();
+      await expect(first).not.toBeChecked();
+      await expect(second).toBeChecked();
+      await undo().click();
+      await expect(second).not.toBeChecked();
+      await waitUntilSaved(page);
+      // The part of a clicked place, after the brush is turned off.
+      await page.keyboard.press('Escape');
+      const { x, y } = await pictureFrame(page);
+      await page.mouse.click(x, y);
+      await card().getByRole('button', { name: 'Turn faces of this part' }).click();
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).turned?.length).toBe(1);
+      await undo().click();
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).turned).toEqual([]);
     });
   });

@@ -72,6 +72,20 @@ export class ShapeArrays {
     return this.base;
   }
 
+  /** Replaces the triangles by others of the same vertices, and those of the coarse version. */
+  setTriangles(triangles: Uint32Array, coarse: Uint32Array | null): void {
+    const all = new BufferAttribute(triangles, 1);
+    for (const geometry of [this.base, this.edited, this.posed, this.comparison]) geometry.setIndex(all);
+    if (coarse) {
+      this.coarse?.base.geometry.dispose();
+      this.coarse?.edited.geometry.dispose();
+      this.setCoarse(coarse);
+      // The pose is sent again for the new coarse version.
+      if (this.fewPosed) this.setPosed(null, null);
+    }
+    this.onChange();
+  }
+
   clear(): void {
     this.setPosed(null, null);
     for (const geometry of [this.base, this.edited, this.posed, this.comparison]) {

@@ -5,7 +5,7 @@ import { check, h, segments, slider } from './dom';
 import type { Effect } from './effects';
 import { grabPanel } from './grab';
 import { formatNumber } from './lengths';
-import { type BrushStroke, facesPointInward, type Region } from './protocol';
+import { type BrushStroke, isInsideOut, type Region } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -44,7 +44,7 @@ const SMOOTHING = 0.25;
 /** Returns the brush in model units. The pressure of a pen scales it; `invert` swaps painting and erasing. */
 export function brushShape(studio: Studio, pressure: number, invert: boolean): BrushShape {
   // The side that is seen is painted, also of faces that point inward.
-  const outward = facesPointInward(studio.shape!) ? -1 : 1;
+  const outward = isInsideOut(studio.shape!) ? -1 : 1;
   const opposite: BrushMode = brush.mode === 'subtract' ? 'add' : 'subtract';
   const { diagonal, center } = studio.shape!;
   const radius = (brush.radius / 100) * diagonal * pressure;

@@ -92,6 +92,20 @@ export class Camera {
     this.update();
   }
 
+  /** A camera that sees at least as much in a picture of another size. */
+  copy({ width, height }: { width: number; height: number }): Camera {
+    const other = new Camera();
+    other.setBounds(this.center.toArray(), this.radius);
+    other.closest = this.closest;
+    other.restore(this.state);
+    other.reach = this.reach;
+    const narrow = Math.min(1, width / height / this.three.aspect);
+    const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) / narrow;
+    other.three.fov = (360 / Math.PI) * Math.atan(half);
+    other.resize(width, height);
+    return other;
+  }
+
   private upVector(): Vector3 {
     return this.up === 'y' ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
   }

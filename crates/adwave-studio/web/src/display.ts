@@ -234,7 +234,7 @@ export class Display {
 
   private updateDisplacement({ greatest, rms, volume: after }: EditAnswer): void {
     const { studio } = this;
-    const before = studio.shape!.volume;
+    const before = studio.turnedParts.volume;
     studio.view.camera.setReach(studio.doc.pose ? greatest : 0);
     studio.displacement = {
       greatest,

@@ -85,16 +85,26 @@ export class EyeDome {
     this.scene.add(quad);
   }
 
-  /** Draws with eye-dome lighting what `draw` draws without; `near` and `far` are those of its camera. */
-  light(renderer: WebGLRenderer, { near, far }: { near: number; far: number }, draw: () => void): void {
-    renderer.getDrawingBufferSize(this.size);
+  /**
+   * Draws with eye-dome lighting what `draw` draws without; `near` and `far` are those of its camera. `into` is the target
+   * of a part of a picture, in which a pixel of the page has `pixels` pixels; without it the picture of the page is drawn.
+   */
+  light(
+    renderer: WebGLRenderer,
+    { near, far }: { near: number; far: number },
+    draw: () => void,
+    into: WebGLRenderTarget | null = null,
+    pixels = renderer.getPixelRatio(),
+  ): void {
+    if (into) this.size.set(into.width, into.height);
+    else renderer.getDrawingBufferSize(this.size);
     this.target.setSize(this.size.x, this.size.y);
     renderer.setRenderTarget(this.target);
     renderer.clear();
     draw();
-    renderer.setRenderTarget(null);
+    renderer.setRenderTarget(into);
     this.uniforms.range.value.set(near, far);
-    this.uniforms.radius.value = Math.max(1, Math.round(RADIUS * renderer.getPixelRatio()));
+    this.uniforms.radius.value = Math.max(1, Math.round(RADIUS * pixels));
     renderer.render(this.scene, this.camera);
   }
 }

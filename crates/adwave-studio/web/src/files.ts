@@ -5,12 +5,14 @@ import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
 import { framesOf } from './frames';
+import { PaperPictures } from './paper/dialog';
 import { pictureWithLegend } from './picture';
-import { type Edit, facesPointInward, type ReadableFormat, type Shape } from './protocol';
+import type { Edit, ReadableFormat, Shape } from './protocol';
 import { areNeutral, isNeutral, toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 import { toolSections } from './tools';
+import { stillInward } from './turned-parts';
 import { parseView } from './view-memory';
 
 /** Files that hold values at vertices and no shape. */
@@ -18,10 +20,14 @@ const VALUES =
   /\.(npy|dmat|mgh|mgz|annot|label|thickness|curv|sulc|area|shape\.gii|func\.gii|label\.gii|d(scalar|tseries|label)\.nii)(\.gz)?$/i;
 
 export class Files {
+  readonly pictures: PaperPictures;
+
   constructor(
     private readonly studio: Studio,
     private readonly fetchShape: typeof FetchShape,
-  ) {}
+  ) {
+    this.pictures = new PaperPictures(studio, this);
+  }
 
   async showShape(id: number): Promise<void> {
     try {
@@ -46,6 +52,10 @@ export class Files {
     }
     if (/\.edit\.json$/i.test(file.name)) {
       await this.reportErrors(async () => studio.session.applyEdit(JSON.parse(await file.text()) as Edit));
+      return;
+    }
+    if (/\.picture\.json$/i.test(file.name)) {
+      await this.reportErrors(async () => this.pictures.openRecipe(await file.text(), file.name));
       return;
     }
     if (/\.view\.json$/i.test(file.name)) {
@@ -138,12 +148,14 @@ export class Files {
   async save(name: string | null = null, replace = false, valueType: string | null = null): Promise<void> {
     const { studio } = this;
     if (!studio.shape) return;
-    const { id } = studio.shape;
+    const { shape } = studio;
+    const { id } = shape;
     await this.reportErrors(async () => {
       try {
         await studio.saver?.waitUntilSent();
         const { path, notes } = await studio.api.save(id, name, replace, valueType);
-        if (studio.isTurned) notes.push(text.savedInward);
+        const left = stillInward(shape, studio.doc.turned).length;
+        if (left > 0) notes.push(text.savedInward(left, shape.components));
         studio.showMessage([text.saved(path), ...notes].join(' '));
       } catch (error) {
         if (!(error instanceof ApiError) || !(error.body as { exists?: boolean } | null)?.exists) throw error;
@@ -206,7 +218,8 @@ export class Files {
     const { shape } = this.studio;
     if (!shape) return;
     const close = () => box.close();
-    const notes = facesPointInward(shape) ? [text.inwardFile, ...shape.notes] : shape.notes;
+    const left = stillInward(shape, this.studio.doc.turned).length;
+    const notes = left > 0 ? [text.inwardFile(left, shape.components), ...shape.notes] : shape.notes;
     const box = dialog(
       text.file,
       ...this.saveSection(close),
@@ -322,6 +335,10 @@ export class Files {
         'div',
         { class: 'row' },
         button(text.picture, () => void this.picture()),
+        button(text.picturesOpen, () => {
+          close();
+          this.pictures.open();
+        }),
         ...(shape.grid ? [] : this.shapeDownloads(close)),
       ),
       shape.grid ? null : h('p', { class: 'hint' }, text.pageNote),

@@ -3,11 +3,13 @@
 import { type Clip, parseClip } from './clip';
 import { coloring } from './coloring';
 import { check, h, iconButton, segments, slider } from './dom';
+import { facesControls, turnPartButton } from './faces-panel';
 import { formatCount, formatNumber } from './lengths';
-import { type Feature, facesPointInward, type Shape } from './protocol';
+import type { Feature, Shape } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
+import { stillInward } from './turned-parts';
 import type { Style } from './view';
 import { recallView, type ViewMemory } from './view-memory';
 
@@ -70,12 +72,7 @@ function styleControl(studio: Studio) {
     const offered = styles.filter((s) => s !== 'edges' || studio.shape?.kind !== 'cloud');
     setStyle(offered[(offered.indexOf(view.style) + 1) % offered.length]!);
   };
-  const turned = check(text.turned, false, (on) => studio.setTurned(on));
-  studio.on(['shape', 'turned'], () => {
-    turned.hidden = !studio.shape || !facesPointInward(studio.shape);
-    turned.querySelector('input')!.checked = studio.isTurned;
-  });
-  return { controls: [styleButtons, turned, points], setStyle, cycle };
+  return { controls: [styleButtons, facesControls(studio), points], setStyle, cycle };
 }
 
 /** Creates the switch for features, and the card over the picture about a clicked feature or vertex. */
@@ -208,10 +205,9 @@ function featureControls(
       text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
       distance === null ? '' : text.distance(formatNumber(distance, 4)),
     ];
-    showCard(
-      lines.filter((line) => line !== '').map((line) => h('div', {}, line)),
-      point,
-    );
+    const facts = lines.filter((line) => line !== '').map((line) => h('div', {}, line));
+    const isMesh = studio.shape!.n_triangles > 0;
+    showCard(isMesh ? [...facts, turnPartButton(studio, v)] : facts, point);
   };
   return { controls: [featureBox, threshold], card };
 }
@@ -399,14 +395,15 @@ function createReadouts(studio: Studio): HTMLElement {
     }
     items.push(pair(text.greatest, moved ? formatNumber(moved.greatest) + percent(moved.greatest) : '0'));
     items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
-    const volume = moved ? moved.volume : shape.volume === null ? null : [shape.volume, shape.volume];
+    const { volume: before } = studio.turnedParts;
+    const volume = moved ? moved.volume : before === null ? null : [before, before];
     if (volume) {
-      const [a, b] = volume.map((x) => (studio.isTurned ? -x : x)) as [number, number];
+      const [a, b] = volume as [number, number];
       const change = a === 0 ? 0 : (100 * (b - a)) / Math.abs(a);
       const sign = change > 0.005 ? '+' : '';
       items.push(
         pair(
-          facesPointInward(shape) && !studio.isTurned ? text.volumeInward : text.volume,
+          stillInward(shape, studio.doc.turned).length > 0 ? text.volumeInward : text.volume,
           `${formatNumber(a, 4)} → ${formatNumber(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : formatNumber(change, 2)} %)`,
         ),
       );
@@ -439,7 +436,6 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const showLook = (memory: ViewMemory | null) => {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
     clip.set(parseClip(memory?.clip));
-    studio.setTurned(memory?.turned === true);
     recalled = memory?.colors ?? ownColors(studio.shape);
     recalledTarget = memory?.target ?? null;
   };
@@ -452,7 +448,6 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
         colors: colors.shown,
         target: studio.target,
         clip: studio.view.clip,
-        turned: studio.isTurned,
       };
     },
     set: (memory) => {

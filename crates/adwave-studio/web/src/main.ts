@@ -11,7 +11,7 @@ import { gridPanel } from './grid/grid-panel';
 import { listenToKeys, showKeys } from './keys';
 import { layersPanel } from './layers-panel';
 import { type LookPanel, lookPanel } from './look-panel';
-import { facesPointInward, type ShapeList } from './protocol';
+import type { ShapeList } from './protocol';
 import type { SaveState } from './saver';
 import { scaleBar } from './scale-bar';
 import { Stage } from './stage';
@@ -20,6 +20,7 @@ import { installTestHooks } from './test-hooks';
 import { text } from './text';
 import { toolbar } from './toolbar';
 import { comparisonPanel } from './tools';
+import { stillInward } from './turned-parts';
 import { type Theme, View } from './view';
 
 interface StartOptions {
@@ -294,12 +295,11 @@ function announceShapes(studio: Studio): void {
     localStorage.setItem('adwave-visited', 'yes');
     if (shape.resumed && !announced.has(shape.id))
       studio.showMessage(shape.grid ? text.gridResumed : text.resumed);
-    if (facesPointInward(shape) && !studio.isTurned) {
-      const turn = () => {
-        studio.setTurned(true);
-        studio.showMessage(text.turnedNote);
-      };
-      studio.showMessage(text.inward, 'info', { label: text.turn, onclick: turn });
+    const inward = stillInward(shape, studio.doc.turned);
+    if (inward.length > 0) {
+      const turn = () => studio.turnedParts.set(stillInward(shape, studio.doc.turned), true);
+      const sentence = text.inward(inward.length, shape.components);
+      studio.showMessage(sentence, 'info', { label: text.turn, onclick: turn });
     }
     announced.add(shape.id);
     if (studio.nLevels === 0 || shape.diagonal === 0) studio.showMessage(text.tooSmall, 'error');

@@ -45,6 +45,7 @@ export class Materials {
       tint: { value: this.tints[0] },
       tint1: { value: this.tints[1] },
       pointSize: { value: 1 },
+      pointScale: { value: 1 },
       clip: { value: new Vector4() },
     };
   }
@@ -74,8 +75,10 @@ export class Materials {
     (this.shared['clip']!.value as Vector4).set(...(equation ?? WHOLE));
   }
 
-  setPointSize(size: number): void {
+  /** Sets the size of points in pixels at distance 1; `scale` is that of the picture beside that of the page. */
+  setPointSize(size: number, scale = 1): void {
     this.shared['pointSize']!.value = size;
+    this.shared['pointScale']!.value = scale;
   }
 
   setScalarRange(range: [number, number], map: MapName): void {

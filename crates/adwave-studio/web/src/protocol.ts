@@ -75,6 +75,8 @@ export interface Edit {
   volume: VolumeRule | null;
   clones?: readonly DetailClone[];
   pose?: Pose | null;
+  /** First vertices of the parts whose faces are turned over in saved files, ascending. */
+  turned?: readonly number[];
   /** Edits of fields, each by layers of its own. */
   fields?: readonly FieldEdit[];
 }
@@ -174,6 +176,8 @@ export interface Shape {
   closed: boolean;
   volume: number | null;
   components: number;
+  /** Closed parts whose faces point inward, the largest first; `vertex` is the first of the part. */
+  inward?: { vertex: number; n_faces: number; volume: number }[];
   notes: string[];
   levels: Level[];
   choice: LevelsChoice;
@@ -184,9 +188,14 @@ export interface Shape {
   grid?: GridInfo;
 }
 
-/** True if the faces of a closed surface point inward, so that its volume is negative. */
-export function facesPointInward({ closed, volume }: Shape): boolean {
-  return closed && volume !== null && volume < 0;
+/** True if faces of a closed surface or of closed parts of it point inward. */
+export function facesPointInward({ inward }: Shape): boolean {
+  return (inward ?? []).length > 0;
+}
+
+/** True if most faces point inward, so that the seen side is their back. */
+export function isInsideOut({ inward, n_triangles }: Shape): boolean {
+  return 2 * (inward ?? []).reduce((n, part) => n + part.n_faces, 0) > n_triangles;
 }
 
 export interface EditSummary {

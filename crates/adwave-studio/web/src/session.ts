@@ -52,6 +52,7 @@ export class Session {
       timings.records.firstPixels = performance.now();
     }
     studio.resetForShape();
+    studio.turnedParts.reset(triangles, COARSE);
     view.setLevels(shape.levels.length);
     const normals = studio.engine.call('shape', {
       url: `${api.root}api/shapes/${shape.id}/`,

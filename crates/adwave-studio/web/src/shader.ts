@@ -67,7 +67,7 @@ uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform mat3 normalMatrix;
 ${tint ? 'uniform vec4 tint;\nuniform vec4 tint1;\nout float vTint;' : ''}
-${cloud ? 'uniform float pointSize;' : ''}
+${cloud ? 'uniform float pointSize;\nuniform float pointScale;' : ''}
 ${nLevels ? `uniform float gains[${nLevels}];\nuniform float scales[${nLevels}];` : ''}
 ${nLevels && nMasks ? `uniform float slopes[${nLevels * nMasks}];` : ''}
 in vec3 position;
@@ -94,7 +94,7 @@ ${scalar ? `  vScalar = ${number};` : ''}
 ${rgb ? '  vPaint = paint.rgb;' : ''}
 ${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
   gl_Position = projectionMatrix * place;
-${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5, 64.0);' : ''}
+${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5 * pointScale, 64.0 * pointScale);' : ''}
 }`;
 }
 

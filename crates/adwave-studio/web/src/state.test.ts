@@ -39,6 +39,7 @@ const edit = {
   volume: 'free' as const,
   clones: [],
   pose: null,
+  turned: [],
   fields: [],
 };
 

@@ -41,6 +41,8 @@ export interface Doc {
   readonly volume: VolumeRule | null;
   readonly clones: readonly DetailClone[];
   readonly pose: Pose | null;
+  /** First vertices of the parts whose faces are turned over, ascending. */
+  readonly turned: readonly number[];
   /** Edits of fields; a field without an edit is not listed. */
   readonly fields: readonly DocField[];
   readonly levels: DocLevels;
@@ -49,6 +51,7 @@ export interface Doc {
 /** Levels of a document without a shape. */
 export const NO_LEVELS: DocLevels = { choice: {}, sigmas: [] };
 export const NO_CLONES: readonly DetailClone[] = [];
+export const NO_TURNED: readonly number[] = [];
 export const NO_FIELDS: readonly DocField[] = [];
 
 let lastKey = 0;
@@ -71,6 +74,7 @@ export function fromEdit(edit: Edit, nLevels: number, levels: DocLevels = NO_LEV
     volume,
     clones: clones ?? NO_CLONES,
     pose: pose ?? null,
+    turned: edit.turned?.length ? edit.turned : NO_TURNED,
     fields: fields.length > 0 ? fields : NO_FIELDS,
     levels,
   };
@@ -91,6 +95,7 @@ export function toEdit(doc: Doc, revision: number): Edit {
     volume: doc.volume,
     clones: doc.clones,
     pose: doc.pose,
+    turned: doc.turned,
     fields: doc.fields.map(({ field, layers }): FieldEdit => ({ field, layers: layers.map(toLayer) })),
   };
 }
@@ -136,6 +141,7 @@ export function samePositions(a: Doc, b: Doc): boolean {
     a.volume === b.volume &&
     a.clones === b.clones &&
     a.pose === b.pose &&
+    a.turned === b.turned &&
     a.levels === b.levels
   );
 }
@@ -213,7 +219,7 @@ export function withGain(doc: Doc, key: number, level: number, gain: number): Do
 
 /** True if the edit changes nothing. */
 export function isNeutral(doc: Doc): boolean {
-  return reshapedBy(doc) === null && hasNeutralLayers(doc);
+  return reshapedBy(doc) === null && doc.turned.length === 0 && hasNeutralLayers(doc);
 }
 
 /** Clones and handles of the edit; `null` if there are none. */
@@ -355,6 +361,8 @@ function sameEdit(a: Doc, b: Doc): boolean {
     a.volume === b.volume &&
     a.clones === b.clones &&
     a.pose === b.pose &&
+    a.turned.length === b.turned.length &&
+    a.turned.every((vertex, i) => vertex === b.turned[i]) &&
     a.levels === b.levels &&
     sameLayers(a.layers, b.layers) &&
     sameFields(a, b)

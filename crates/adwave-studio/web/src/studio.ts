@@ -12,7 +12,7 @@ import { FieldEditor, keysOf } from './field-editor';
 import { GridView } from './grid/grid-view';
 import { formatCount } from './lengths';
 import { Masks } from './masks';
-import { facesPointInward, type Region, type Shape, type ShapeList } from './protocol';
+import type { Region, Shape, ShapeList } from './protocol';
 import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
@@ -25,6 +25,7 @@ import {
   layersOf,
   NO_FIELDS,
   NO_LEVELS,
+  NO_TURNED,
   newKey,
   newLayer,
   samePositions,
@@ -35,6 +36,7 @@ import {
 import { text } from './text';
 import { Timings } from './timings';
 import type { ShownComparison } from './tools';
+import { TurnedParts } from './turned-parts';
 import type { View } from './view';
 import type { ViewMemory } from './view-memory';
 
@@ -93,6 +95,7 @@ export class Studio {
       volume: null,
       clones: [],
       pose: null,
+      turned: NO_TURNED,
       fields: NO_FIELDS,
       levels: NO_LEVELS,
     },
@@ -120,8 +123,6 @@ export class Studio {
   tool: PointerTool = 'look';
   /** Vertex from which the brush clones detail. */
   cloneSource: number | null = null;
-  /** True if the view shows faces that point inward as if they pointed outward. The file keeps them. */
-  isTurned = false;
   /** True while a handle is pulled or detail is cloned. */
   isPulling = false;
   /** The only band of a layer that is shown; part of the view and not of the edit. */
@@ -149,6 +150,7 @@ export class Studio {
   readonly gridView: GridView;
   readonly fieldEditor = new FieldEditor(this);
   readonly beside: Beside;
+  readonly turnedParts = new TurnedParts(this);
   /** True if the mask of the selected layer is tinted; for layers of an effect, which show it, by its own switch. */
   tint = { region: true, effect: false };
   /** Last clicked vertex, the default center of a ball. */
@@ -356,6 +358,7 @@ export class Studio {
     this.selected = this.layers[0]!.key;
     this.masks.assignSlots(this.slottedLayers);
     this.updateTint();
+    void this.showTurned();
     this.emit('doc');
     this.emit('selected');
   }
@@ -386,8 +389,18 @@ export class Studio {
     // An edit of a field leaves the positions as they are.
     if (this.target !== null) this.fieldEditor.show();
     if (this.target === null || !before || !samePositions(before, this.doc)) this.display.show(committed);
+    void this.showTurned();
     if (committed) this.saver?.saveStep(this.doc, this.display.waitUntilSettled());
     this.emit('doc');
+  }
+
+  /** Shows the faces of the parts that the edit turns. */
+  private async showTurned(): Promise<void> {
+    try {
+      await this.turnedParts.show();
+    } catch (error) {
+      this.showMessage((error as Error).message, 'error');
+    }
   }
 
   get tintKind(): 'region' | 'effect' {
@@ -489,15 +502,27 @@ export class Studio {
     return waited;
   }
 
-  /** Shows work that takes a while, with a button that cancels it. Returns `null` if it was cancelled. */
-  async wait<T>(what: string, work: (signal: AbortSignal) => Promise<T>): Promise<T | null> {
+  /**
+   * Shows work that takes a while, with a button that cancels it; `tell` changes the sentence that is shown. Returns
+   * `null` if it was cancelled.
+   */
+  async wait<T>(
+    what: string,
+    work: (signal: AbortSignal, tell: (what: string) => void) => Promise<T>,
+  ): Promise<T | null> {
     const abort = new AbortController();
     const number = ++this.lastWait;
     this.waiting.set(number, { what, cancel: () => abort.abort() });
     this.emit('waiting');
+    const tell = (what: string) => {
+      const waiting = this.waiting.get(number);
+      if (!waiting) return;
+      waiting.what = what;
+      this.emit('waiting');
+    };
     const cancelled = new Promise<null>((done) => abort.signal.addEventListener('abort', () => done(null)));
     try {
-      return await Promise.race([work(abort.signal), cancelled]);
+      return await Promise.race([work(abort.signal, tell), cancelled]);
     } catch (error) {
       if (abort.signal.aborted) return null;
       throw error;
@@ -545,15 +570,6 @@ export class Studio {
       this.regions.markUnknown(updates);
       throw error;
     }
-  }
-
-  /** Turns the faces of an inside-out shape outward in the view, or back. */
-  setTurned(on: boolean): void {
-    const isInward = this.shape !== null && facesPointInward(this.shape);
-    this.isTurned = on && isInward;
-    this.view.lit = this.isTurned ? 'back' : isInward ? 'both' : 'front';
-    this.view.request();
-    this.emit('turned');
   }
 
   setTool(tool: PointerTool): void {

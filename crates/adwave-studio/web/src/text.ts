@@ -348,12 +348,27 @@ export const text = {
   rms: 'RMS',
   volume: 'Volume',
   volumeInward: 'Volume (faces point inward)',
-  inward: 'The faces of this shape point inward, so its volume is negative.',
-  inwardFile: 'Its faces point inward, so its volume is negative. Saved files keep them so.',
-  turn: 'Turn them in this view',
-  turned: 'Turn faces outward',
-  turnedNote: 'The faces are turned in this view. Saved and downloaded files keep them as they are.',
-  savedInward: 'Its faces point inward, as in the opened file.',
+  inward: (n: number, of: number) =>
+    of === 1
+      ? 'The faces of this shape point inward, so its volume is negative.'
+      : `The faces of ${n} of ${of} parts point inward.`,
+  inwardFile: (n: number, of: number) =>
+    of === 1
+      ? 'Its faces point inward, so its volume is negative.'
+      : `The faces of ${n} of its ${of} parts point inward.`,
+  savedInward: (n: number, of: number) =>
+    of === 1
+      ? 'Its faces point inward, as in the opened file.'
+      : `The faces of ${n} of its ${of} parts point inward, as in the opened file.`,
+  turn: 'Turn them outward',
+  faces: 'Faces that point inward',
+  turnOnly: 'Turn faces outward',
+  turnPart: (vertex: number, faces: string | null) =>
+    `Turn the part at vertex ${vertex}${faces === null ? '' : ` (${faces} faces)`}`,
+  showPart: (vertex: number) => `Mark the part at vertex ${vertex}`,
+  turnAll: 'Turn all outward',
+  turnPartHere: 'Turn faces of this part',
+  moreParts: (n: number) => `${n} smaller parts are not listed; “Turn all outward” turns them too.`,
 
   // Images and volumes
   pane: (name: string, isVolume: boolean) =>
@@ -438,6 +453,34 @@ export const text = {
   viewFile: 'View (JSON)',
   badView: (name: string) => `${name} holds no view. Download one with File, View (JSON).`,
   pointSize: 'Point size',
+  picturesOpen: 'Picture for print…',
+  pictures: 'Picture for print',
+  picturesNote:
+    'The view at any size, drawn with four samples per pixel. All that is seen now is in the picture.',
+  gridPicturesNote: 'The panes as they are shown, enlarged to a width in pixels.',
+  pictureWidth: 'Width (pixels)',
+  pictureHeight: 'Height (pixels)',
+  transparent: 'Transparent ground',
+  withLegend: 'Legend of the colors',
+  pictureSave: 'Save picture (PNG)',
+  turnFrames: 'Frames of a turn',
+  turnSeconds: 'Seconds of the video',
+  framesSave: 'Save frames (PNG in a ZIP)',
+  videoSave: 'Save video (WebM)',
+  noVideo: 'This browser makes no videos.',
+  pictureRecipe: 'Recipe',
+  pictureRecipeNote:
+    'A small file with the view, the edit and these choices. Dropped on the page with the same shape, it makes the picture again.',
+  pictureRecipeSave: 'Save recipe of the picture',
+  pictureNumber: (label: string, min: string, max: string, value: string) =>
+    `${label}: must be a whole number from ${min} to ${max}, got “${value}”.`,
+  drawing: (share: number) => `Drawing the picture: ${Math.round(100 * share)} %`,
+  drawingTurn: (k: number, n: number) => `Drawing the turn: ${k} of ${n}`,
+  encoding: (seconds: number) => `Making the video, which takes ${seconds} s`,
+  badPicture: (name: string) =>
+    `${name} must be the recipe of a picture of a shape; save one with Picture for print.`,
+  otherPicture: (name: string, n: number, got: number) =>
+    `The picture shows ${name} with ${n} vertices, and the open shape has ${got}. Open that shape first.`,
   recipe: 'Recipe',
   recipeOf: (name: string) => `Recipe of ${name}`,
   recipeNote: 'The edit as a text file. Apply it to this or another shape with adwave filter --recipe.',

@@ -12,8 +12,6 @@ export interface ViewMemory {
   target?: string | null;
   /** Plane that cuts the shape; `null` if it is whole. */
   clip?: Clip | null;
-  /** True if faces that point inward are turned outward. */
-  turned?: boolean;
 }
 
 const KEY = 'adwave-views';

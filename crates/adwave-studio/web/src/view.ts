@@ -6,12 +6,14 @@
 
 import {
   type BufferGeometry,
+  Color,
   ColorManagement,
   Mesh,
   Points,
   RawShaderMaterial,
   Scene,
   WebGLRenderer,
+  WebGLRenderTarget,
 } from 'three';
 import { ShapeArrays } from './arrays';
 import { type BesideArrays, BesideShape } from './beside-shape';
@@ -24,6 +26,20 @@ import { type Masked, Materials } from './materials';
 import { Overlays } from './overlays';
 import type { Feature } from './protocol';
 import type { LitSide } from './shader';
+
+/** Part of a larger picture, in samples. */
+export interface PicturePart {
+  /** Camera of the whole picture. */
+  camera: Camera;
+  whole: { width: number; height: number };
+  part: { x: number; y: number; width: number; height: number };
+  /** Samples around the part that are drawn too, for points whose centers lie there. */
+  margin: number;
+  /** Samples for a pixel of the page. */
+  scale: number;
+  /** Color of the ground, from 0 to 1; `null` leaves it transparent. */
+  ground: [number, number, number] | null;
+}
 
 export type Style = 'shaded' | 'matcap' | 'flat' | 'edges';
 export type Theme = 'light' | 'dark';
@@ -77,6 +93,10 @@ export class View {
   private frame = 0;
   private moving = 0;
   private smoothing = 0;
+  /** Camera by which the shape is drawn. */
+  private lens = this.camera.three;
+  /** Color of the ground of the page, from 0 to 1. */
+  paper: [number, number, number] = [1, 1, 1];
   /** True once the picture may take its time. */
   private isAtRest = false;
 
@@ -105,6 +125,7 @@ export class View {
     const colors = COLORS[theme];
     this.materials.setColors(rgb(colors.surface), rgb(colors.accent));
     this.renderer.setClearColor(colors.paper, 1);
+    this.paper = rgb(colors.paper);
     this.overlays.setInk(rgb(colors.ink), rgb(theme === 'dark' ? 0 : COLORS.light.ink));
     this.request();
   }
@@ -436,7 +457,41 @@ export class View {
       clip: this.clip !== null,
     });
     this.overlays.placeEdges(this.style === 'edges' && !summed && !few, geometry);
-    this.renderer.render(this.scene, this.camera.three);
+    this.renderer.render(this.scene, this.lens);
+  }
+
+  /** Draws a part of a larger picture: `u8 × 4` each sample, rows from below, colors multiplied by their opacity. */
+  drawSamples({ camera, whole, part, margin, scale, ground }: PicturePart): Uint8Array<ArrayBuffer> {
+    const { renderer } = this;
+    const [width, height] = [part.width + 2 * margin, part.height + 2 * margin];
+    const target = new WebGLRenderTarget(width, height);
+    const lens = camera.three;
+    lens.setViewOffset(whole.width, whole.height, part.x - margin, part.y - margin, width, height);
+    const perPixel = whole.height / (2 * Math.tan((lens.fov * Math.PI) / 360));
+    this.materials.setPointSize(
+      this.pointScale * this.pointSize * perPixel,
+      scale / renderer.getPixelRatio(),
+    );
+    this.overlays.setPixels(perPixel, scale);
+    const samples = new Uint8Array(4 * part.width * part.height);
+    try {
+      this.lens = lens;
+      renderer.setClearColor(new Color().setRGB(...(ground ?? [0, 0, 0])), ground ? 1 : 0);
+      renderer.setRenderTarget(target);
+      renderer.clear();
+      const draw = () => this.drawShape(this.showsOriginal, false);
+      if (this.arrays.cloud) this.eyeDome.light(renderer, lens, draw, target, scale);
+      else draw();
+      renderer.readRenderTargetPixels(target, margin, margin, part.width, part.height, samples);
+    } finally {
+      renderer.setRenderTarget(null);
+      renderer.setClearColor(new Color().setRGB(...this.paper), 1);
+      lens.clearViewOffset();
+      this.lens = this.camera.three;
+      target.dispose();
+      this.request();
+    }
+    return samples;
   }
 
   /** Waits until drawing has finished, by reading a pixel. */

@@ -186,3 +186,20 @@ export async function setSlider(page: Page, band: number, position: number): Pro
     [band, position],
   );
 }
+
+/** Response of the server to a request of the shown shape, as text; with a body, a POST. */
+export const askServer = (page: Page, path: string, body?: object): Promise<string> =>
+  page.evaluate(
+    async ([path, body]) => {
+      const headers = { Authorization: `Bearer ${sessionStorage.getItem('adwave-token')}` };
+      const init = body === undefined ? { headers } : { headers, method: 'POST', body: JSON.stringify(body) };
+      const response = await fetch(`api/shapes/${sessionStorage.getItem('adwave-shape')}/${path}`, init);
+      return response.text();
+    },
+    [path, body] as const,
+  );
+
+/** Saves the shown shape under a name next to the opened file, and returns its path. */
+export async function saveShape(page: Page, name: string): Promise<string> {
+  return (JSON.parse(await askServer(page, 'save', { name, replace: true })) as { path: string }).path;
+}

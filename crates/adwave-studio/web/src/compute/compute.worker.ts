@@ -40,11 +40,14 @@ class Shape {
   private bentBy = '';
   /** True until the page was sent the present pose. */
   isBentNew = false;
+  /** Triangles of which the edit may have turned some over; regions use those of the file. */
+  triangles: Uint32Array;
   /** Enclosing balls of the edited vertices, for picking; `null` after they moved. */
   balls: Balls | null = null;
 
   constructor(readonly given: Calls['shape'][0]) {
     this.n = given.n;
+    this.triangles = given.triangles;
     this.edited = given.positions.slice();
     this.sums = given.cloud ? new Float32Array(0) : new Float32Array(3 * this.n);
     const shape = this;
@@ -115,7 +118,7 @@ class Shape {
       this.surfaceOnce ??= cloudSurface(this.given.positions, CLOUD_NEIGHBORS);
       const { offsets, entries } = this.surface.neighbors;
       cloudNormals(positions, offsets, entries, out);
-    } else meshNormals(positions, this.given.triangles, this.sums, out);
+    } else meshNormals(positions, this.triangles, this.sums, out);
     return out;
   }
 
@@ -279,6 +282,11 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     if (what.triangles.length <= 3 * FEW_TRIANGLES) await new Promise((done) => setTimeout(done));
     return { normals: opened.normals(what.positions) };
   },
+  turn({ triangles }) {
+    const s = shape();
+    s.triangles = triangles;
+    return { normals: s.normals(s.given.positions) };
+  },
   async edges() {
     return { pairs: await shape().edges() };
   },
@@ -332,7 +340,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       places: isNew ? (s.bent?.places.slice() ?? null) : null,
       turns: isNew ? (s.bent?.turns.slice() ?? null) : null,
       problem,
-      volume: s.given.cloud ? null : volume(s.edited, s.given.triangles),
+      volume: s.given.cloud ? null : volume(s.edited, s.triangles),
       took,
     };
   },

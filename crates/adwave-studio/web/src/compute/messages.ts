@@ -46,6 +46,8 @@ export interface Calls {
     },
     { normals: Int8Array },
   ];
+  /** Takes triangles of which some are turned over; returns the normals of the unedited shape. */
+  turn: [{ triangles: Uint32Array }, { normals: Int8Array }];
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
   edit: [

@@ -371,18 +371,29 @@ export class GridView implements Shown {
     return this.panes.map(({ pane }) => pane.plane?.edited ?? new Float32Array(0));
   }
 
-  /** All panes as one picture, as they are on the screen. */
-  async picture(): Promise<Blob> {
-    this.draw();
-    const ratio = window.devicePixelRatio || 1;
+  /** All panes as one picture, as they are on the screen; by default with so many pixels as these have. */
+  async picture(wide: number | null = null, isTransparent = false): Promise<Blob> {
     const { width, height, left, top } = this.element.getBoundingClientRect();
+    const ratio = wide === null ? window.devicePixelRatio || 1 : wide / width;
     const canvas = h('canvas', { width: Math.round(width * ratio), height: Math.round(height * ratio) });
     const context = canvas.getContext('2d')!;
-    context.fillStyle = getComputedStyle(document.body).backgroundColor;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    for (const { pane } of this.panes) {
-      const box = pane.canvas.getBoundingClientRect();
-      context.drawImage(pane.canvas, (box.left - left) * ratio, (box.top - top) * ratio);
+    if (!isTransparent) {
+      context.fillStyle = getComputedStyle(document.body).backgroundColor;
+      context.fillRect(0, 0, canvas.width, canvas.height);
+    }
+    try {
+      for (const { pane } of this.panes) pane.ratio = ratio;
+      // A larger picture shows more places than the screen, which are loaded first.
+      this.request();
+      await this.waitUntilSettled();
+      this.draw();
+      for (const { pane } of this.panes) {
+        const box = pane.canvas.getBoundingClientRect();
+        context.drawImage(pane.canvas, (box.left - left) * ratio, (box.top - top) * ratio);
+      }
+    } finally {
+      for (const { pane } of this.panes) pane.ratio = null;
+      this.request();
     }
     return new Promise((done, fail) =>
       canvas.toBlob((blob) => (blob ? done(blob) : fail(new Error(text.noPicture)))),

@@ -29,6 +29,8 @@ export class Pane {
   /** Number of rows and columns of the whole plane. */
   readonly sizes: readonly [number, number];
   plane: Plane | null = null;
+  /** Pixels for one of the page; `null` for those of the screen. */
+  ratio: number | null = null;
   private readonly context: CanvasRenderingContext2D;
   private readonly picture = document.createElement('canvas');
   /** Enlargement, 1 for a plane that fits; and the indices in the middle of the pane. */
@@ -104,7 +106,7 @@ export class Pane {
   get seen(): { low: [number, number]; high: [number, number]; perPixel: number } {
     const a = this.toIndices(0, 0);
     const b = this.toIndices(this.canvas.clientWidth, this.canvas.clientHeight);
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = this.ratio ?? (window.devicePixelRatio || 1);
     return {
       low: [Math.min(a[0], b[0]), Math.min(a[1], b[1])],
       high: [Math.max(a[0], b[0]), Math.max(a[1], b[1])],
@@ -174,7 +176,7 @@ export class Pane {
     muted: string;
   }): void {
     const { canvas, context, plane, picture } = this;
-    const ratio = window.devicePixelRatio || 1;
+    const ratio = this.ratio ?? (window.devicePixelRatio || 1);
     const [width, height] = [
       Math.max(1, Math.round(canvas.clientWidth * ratio)),
       Math.max(1, Math.round(canvas.clientHeight * ratio)),
