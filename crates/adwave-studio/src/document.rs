@@ -1,6 +1,7 @@
 //! Edit of a shape, in the form of the page and as a recipe.
 
 use crate::field_bands::FIELD_FIT;
+use crate::listed::{DocumentPose, ListedItem};
 use crate::pose::ReshapedBy;
 use crate::response::ApiError;
 use adwave::LevelSpec;
@@ -9,7 +10,7 @@ use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorKind;
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
-use adwave_io::{DetailClone, Pose, Recipe};
+use adwave_io::{DetailClone, Recipe};
 use serde::{Deserialize, Serialize};
 
 /// Largest number of layers of the positions, and of each field.
@@ -37,10 +38,10 @@ pub struct Document {
     pub volume: Volume,
     /// Clones of detail, on top of the layers.
     #[serde(default)]
-    pub clones: Vec<DetailClone>,
+    pub clones: Vec<ListedItem<DetailClone>>,
     /// Handles that bend the shape after all other edits.
     #[serde(default)]
-    pub pose: Option<Pose>,
+    pub pose: Option<DocumentPose>,
     /// First vertices of the parts of a mesh whose faces are turned over in saved files, ascending.
     #[serde(default)]
     pub turned: Vec<u32>,
@@ -57,6 +58,18 @@ pub struct FieldEdit {
     pub field: String,
     /// Layers of the field; their order does not matter.
     pub layers: Vec<DocumentLayer>,
+    /// True if the edit of the field has an effect.
+    #[serde(default = "on", skip_serializing_if = "is_on")]
+    pub on: bool,
+}
+
+fn on() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands the field by reference")]
+fn is_on(on: &bool) -> bool {
+    *on
 }
 
 /// Layer of an edit, which multiplies band j by `1 + opacity·r(x)·(g_j − 1)`, where r is the weight of its region.
@@ -74,6 +87,9 @@ pub struct DocumentLayer {
     /// Region of the layer; the whole shape if `None`.
     #[serde(default)]
     pub region: Option<Region>,
+    /// Name of the preset that the gains were set to last; they may have changed since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
 }
 
 impl DocumentLayer {
@@ -146,9 +162,15 @@ impl Document {
         Ok(())
     }
 
-    /// Returns the edits other than those of bands.
+    /// Returns the clones that are on, in their order.
+    fn active_clones(&self) -> Vec<DetailClone> {
+        self.clones.iter().filter(|clone| clone.on).map(|clone| clone.item.clone()).collect()
+    }
+
+    /// Returns the edits other than those of bands that are on.
     pub(crate) fn reshaped_by(&self) -> ReshapedBy {
-        ReshapedBy { clones: self.clones.clone(), pose: self.pose.clone() }
+        let pose = self.pose.as_ref().map(DocumentPose::to_pose);
+        ReshapedBy { clones: self.active_clones(), pose }
     }
 
     /// Maps the gains from levels of widths `before` to levels of widths `after`, both in model units; see
@@ -168,7 +190,7 @@ impl Document {
     /// Returns the layers of a field that are on.
     pub(crate) fn active_field_layers(&self, name: &str) -> Vec<Layer> {
         let edit = self.fields.iter().find(|edit| edit.field == name);
-        edit.map_or_else(Vec::new, |edit| to_recipe_layers(&edit.layers))
+        edit.filter(|edit| edit.on).map_or_else(Vec::new, |edit| to_recipe_layers(&edit.layers))
     }
 
     /// Returns the names of the fields with a layer that has an effect.
@@ -176,7 +198,7 @@ impl Document {
         let changes = |layer: &DocumentLayer| {
             layer.on && layer.opacity > 0.0 && layer.gains.iter().any(|gain| *gain != 1.0)
         };
-        let changed = self.fields.iter().filter(|edit| edit.layers.iter().any(changes));
+        let changed = self.fields.iter().filter(|edit| edit.on && edit.layers.iter().any(changes));
         changed.map(|edit| edit.field.clone()).collect()
     }
 
@@ -199,8 +221,8 @@ impl Document {
             local_fit: self.along.and_then(MoveDirection::axis).map(|_| LocalFit::Constant),
             positions: self.position_params(),
             layers: self.active_layers(),
-            clones: self.clones.clone(),
-            pose: self.pose.clone(),
+            clones: self.active_clones(),
+            pose: self.pose.as_ref().map(DocumentPose::to_pose),
             turned: self.turned.clone(),
             ..Recipe::default()
         }
@@ -221,7 +243,7 @@ impl Document {
     /// Replaces the layers of a field.
     pub(crate) fn with_field_layers(mut self, name: &str, layers: Vec<DocumentLayer>) -> Self {
         self.fields.retain(|edit| edit.field != name);
-        self.fields.push(FieldEdit { field: name.to_owned(), layers });
+        self.fields.push(FieldEdit { field: name.to_owned(), layers, on: true });
         self
     }
 
@@ -235,7 +257,8 @@ impl Document {
         }
         let layers = layers_of_recipe(recipe, n_levels)?;
         let PositionParams { along, borders, volume, .. } = recipe.positions;
-        let (clones, pose, turned) = (recipe.clones.clone(), recipe.pose.clone(), recipe.turned.clone());
+        let clones = recipe.clones.iter().cloned().map(ListedItem::from).collect();
+        let (pose, turned) = (recipe.pose.clone().map(DocumentPose::from), recipe.turned.clone());
         Ok(Self {
             revision,
             layers,
@@ -252,10 +275,21 @@ impl Document {
 
 /// Converts the layers of a recipe to those of an edit of `n_levels` levels.
 pub(crate) fn layers_of_recipe(recipe: &Recipe, n_levels: usize) -> Result<Vec<DocumentLayer>, ApiError> {
+    let preset_of = |layer: &Layer| match &layer.gains {
+        Gains::Preset(preset) => Some(preset.name().to_owned()),
+        _ => None,
+    };
     let layer = |(k, layer): (usize, &Layer)| {
         let gains = layer.gains.resolve(n_levels).map_err(|e| ApiError::from_classified(&e))?;
         let region = Some(layer.region.clone()).filter(|region| *region != Region::Everywhere {});
-        Ok(DocumentLayer { name: format!("layer {}", k + 1), on: true, opacity: 1.0, gains, region })
+        Ok(DocumentLayer {
+            name: format!("layer {}", k + 1),
+            on: true,
+            opacity: 1.0,
+            gains,
+            region,
+            preset: preset_of(layer),
+        })
     };
     recipe.layers.iter().enumerate().map(layer).collect()
 }

@@ -247,7 +247,8 @@ impl GridSession {
             let own = layer.gains.resolve(gains.len()).map_err(|e| ApiError::from_classified(&e))?;
             gains.iter_mut().zip(&own).for_each(|(all, own)| *all *= own);
         }
-        let layer = DocumentLayer { name: String::new(), on: true, opacity: 1.0, gains, region: None };
+        let layer =
+            DocumentLayer { name: String::new(), on: true, opacity: 1.0, gains, region: None, preset: None };
         let mut bands = self.lock_bands()?;
         let revision = bands.edit.document.revision + 1;
         next.apply_edit(Document { revision, layers: vec![layer], ..Document::default() })?;

@@ -21,6 +21,7 @@ mod grid_files;
 mod grid_planes;
 mod grid_session;
 mod guard;
+mod listed;
 mod opened;
 mod pose;
 mod prepared_shape;

@@ -2,6 +2,7 @@
 
 import { h, segments } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
+import { gainSummary } from './gain-summary';
 import { unitOf } from './grid/grid-panel';
 import { formatNumber } from './lengths';
 import { openLevels } from './levels-dialog';
@@ -271,13 +272,20 @@ export function equalizer(studio: Studio): HTMLElement {
   });
   presets.addEventListener('change', () => {
     const preset = studio.shape?.presets[Number(presets.value)];
-    presets.value = '';
+    showPreset();
     if (!preset) return;
-    studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
+    studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels), preset: preset.name }, true);
     const notes = studio.isGrid ? text.gridPresetNotes : text.presetNotes;
     const note = notes[preset.name];
     if (note) studio.showMessage(note);
   });
+
+  /** Shows the preset of the selected layer, and how many bands have changed since. */
+  function showPreset(): void {
+    presets.value = '';
+    presets.options[0]!.textContent =
+      gainSummary(studio.layer, studio.shape?.presets ?? [], 'presets') || text.presets;
+  }
 
   function rebuild(): void {
     const levels = studio.shape?.levels ?? [];
@@ -315,6 +323,7 @@ export function equalizer(studio: Studio): HTMLElement {
   }
 
   function refresh(): void {
+    if (presets.options.length > 0) showPreset();
     const { solo } = studio;
     showGains(columns, studio.layer.gains, solo?.key === studio.selected ? solo.level : null);
     const { layer, layers } = studio;
@@ -350,7 +359,7 @@ export function equalizer(studio: Studio): HTMLElement {
         'button',
         {
           type: 'button',
-          onclick: () => studio.changeLayer({ gains: fitGains([], studio.nLevels) }, true),
+          onclick: () => studio.changeLayer({ gains: fitGains([], studio.nLevels), preset: undefined }, true),
         },
         text.reset,
       ),

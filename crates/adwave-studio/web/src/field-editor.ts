@@ -3,7 +3,7 @@
 import { classesOf } from './colors';
 import type { FieldAnswer } from './compute/messages';
 import { formatCount } from './lengths';
-import { allLayers, areNeutral, type Doc, layersOf, soloLayers } from './state';
+import { allLayers, areNeutral, type Doc, isFieldOn, layersOf, soloLayers } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -102,7 +102,7 @@ export class FieldEditor {
   private async compute(): Promise<void> {
     const { studio, turn } = this;
     const { doc, regions, solo } = studio;
-    const list = soloLayers(studio.layers, solo);
+    const list = isFieldOn(doc, studio.target ?? '') ? soloLayers(studio.layers, solo) : [];
     const { updates, ids } = regions.updatesFor(list.map((l) => l.region));
     const layers = list.map(({ key, on, opacity, gains }, i) => ({
       key,

@@ -4,7 +4,7 @@ import { brush } from './brush';
 import type { Hit } from './compute/pick';
 import { h, segments } from './dom';
 import type { Pose, PoseHandle, Region } from './protocol';
-import type { Doc } from './state';
+import { type Doc, isOn, reshapedBy } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -24,12 +24,12 @@ const FIRST_PIN = 8;
 const EMPTY: Pose = { handle: [] };
 
 /** Vertex of a handle of a single vertex; `null` for other handles. */
-function vertexOf({ region }: PoseHandle): number | null {
+export function vertexOf({ region }: PoseHandle): number | null {
   return 'vertices' in region && region.vertices.indices.length === 1 ? region.vertices.indices[0]! : null;
 }
 
 /** Regions that are pinned. */
-function pinsOf(pose: Pose): readonly Region[] {
+export function pinsOf(pose: Pose): readonly Region[] {
   const { fixed } = pose;
   if (!fixed) return [];
   return 'any' in fixed ? fixed.any : [fixed];
@@ -110,7 +110,7 @@ export class Grab {
     let best = -1;
     let nearest = NEAR;
     for (const [k, handle] of this.pose.handle.entries()) {
-      const vertex = vertexOf(handle);
+      const vertex = isOn(handle) ? vertexOf(handle) : null;
       if (vertex === null) continue;
       const at = camera.project(arrays.place(vertex));
       const d = Math.hypot(at.x - x, at.y - y);
@@ -144,7 +144,7 @@ export class Grab {
     studio.view.arrays.startPull();
     try {
       // Binds the shape, and finds out if it can be.
-      const by = { clones: studio.doc.clones, pose };
+      const by = reshapedBy({ clones: studio.doc.clones, pose }) ?? { clones: [], pose };
       const work = () => studio.engine.call('bend', { by, follow: 'step', drawn: true });
       const bound = await studio.wait(text.binding, work);
       // The pull may have been cancelled meanwhile, or followed by another one.
@@ -211,7 +211,9 @@ export class Grab {
         return;
       }
       const targets = [...stroke.vertices];
-      const clone = { source, targets, radius, strength: brush.strength };
+      // The server leaves out the usual strength, and the stored edit is compared with this one after a reload.
+      const strength = brush.strength === 1 ? {} : { strength: brush.strength };
+      const clone = { source, targets, radius, ...strength };
       studio.history.preview({ ...studio.doc, clones: [...stroke.before.clones, clone] });
       return;
     }
@@ -235,7 +237,7 @@ export class Grab {
     const places: number[] = [];
     const signs: number[] = [];
     if (studio.isGrabOn && studio.shape) {
-      for (const pin of pinsOf(this.pose)) {
+      for (const pin of this.pose.pinned === false ? [] : pinsOf(this.pose)) {
         const centers =
           'vertices' in pin
             ? pin.vertices.indices
@@ -248,7 +250,7 @@ export class Grab {
         }
       }
       for (const [k, handle] of this.pose.handle.entries()) {
-        const vertex = vertexOf(handle);
+        const vertex = isOn(handle) ? vertexOf(handle) : null;
         if (vertex === null) continue;
         const moved = pull?.handle === k ? handle.by.map((c, i) => c - pull.by[i]!) : [0, 0, 0];
         const at = pull?.handle === k ? pull.start : arrays.place(vertex);

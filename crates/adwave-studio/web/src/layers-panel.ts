@@ -1,6 +1,8 @@
 /** List of layers, and the settings of the selected one. */
 
 import { check, h, iconButton, select, slider } from './dom';
+import { editList } from './edit-list';
+import { gainSummary } from './gain-summary';
 import type { Along, Border, Region, VolumeRule } from './protocol';
 import { describeRegion, regionChooser } from './region-panel';
 import { type DocLayer, newKey } from './state';
@@ -22,6 +24,12 @@ function duplicateLayer(studio: Studio, layer: DocLayer): void {
   studio.select(copy.key);
 }
 
+/** Describes where a layer acts, and its gains. */
+function describeLayer(studio: Studio, layer: DocLayer): string {
+  const gains = gainSummary(layer, studio.shape?.presets ?? []);
+  return [describeRegion(layer.region), gains].filter((part) => part !== '').join(' · ');
+}
+
 /** Creates the list item of a layer; `rename` is called with its displayed name on a double click. */
 function layerItem(studio: Studio, layer: DocLayer, i: number, rename: (name: string) => void): HTMLElement {
   const name = layer.name || text.layerName(i + 1);
@@ -37,7 +45,7 @@ function layerItem(studio: Studio, layer: DocLayer, i: number, rename: (name: st
       ondblclick: () => rename(name),
     },
     h('span', {}, name),
-    h('small', {}, describeRegion(layer.region)),
+    h('small', {}, describeLayer(studio, layer)),
   );
   return h(
     'li',
@@ -181,5 +189,6 @@ export function layersPanel(studio: Studio): HTMLElement {
     list,
     settings.element,
     rules,
+    editList(studio),
   );
 }

@@ -31,14 +31,22 @@ export interface Layer {
   opacity: number;
   gains: number[];
   region: Region | null;
+  /** Name of the preset that the gains were set to last. */
+  preset?: string | undefined;
 }
 
 export type Along = 'free' | 'normal' | 'surface' | 'x' | 'y' | 'z';
 export type Border = 'natural' | 'keep' | 'free';
 export type VolumeRule = 'free' | 'keep';
 
+/** Name and eye of a clone or a handle; without them it has the usual name and an effect. */
+export interface Listed {
+  name?: string;
+  on?: boolean;
+}
+
 /** Vertices that move together: about their center by a turn (axis times degrees), and then by a vector. */
-export interface PoseHandle {
+export interface PoseHandle extends Listed {
   by: number[];
   turn?: number[];
   region: Region;
@@ -49,11 +57,13 @@ export interface Pose {
   width?: Length;
   stiffness?: Length;
   fixed?: Region | null;
+  /** False if the pins have no effect. */
+  pinned?: boolean;
   handle: PoseHandle[];
 }
 
 /** Detail cloned from around a vertex to others, one after the other. */
-export interface DetailClone {
+export interface DetailClone extends Listed {
   source: number;
   targets: number[];
   radius: Length;
@@ -84,6 +94,8 @@ export interface Edit {
 export interface FieldEdit {
   field: string;
   layers: Layer[];
+  /** False if the edit of the field has no effect. */
+  on?: boolean;
 }
 
 export interface Level {

@@ -32,6 +32,8 @@ export interface DocLevels {
 export interface DocField {
   readonly field: string;
   readonly layers: readonly DocLayer[];
+  /** False if the edit of the field has no effect. */
+  readonly on?: boolean;
 }
 
 export interface Doc {
@@ -63,9 +65,9 @@ export function newKey(): number {
 export function fromEdit(edit: Edit, nLevels: number, levels: DocLevels = NO_LEVELS): Doc {
   const layers = keyedLayers(edit.layers, nLevels);
   const { along, border, volume, clones, pose } = edit;
-  const fields = (edit.fields ?? []).map(({ field, layers }) => ({
-    field,
-    layers: keyedLayers(layers, nLevels),
+  const fields = (edit.fields ?? []).map((edit) => ({
+    ...edit,
+    layers: keyedLayers(edit.layers, nLevels),
   }));
   return {
     layers,
@@ -96,12 +98,12 @@ export function toEdit(doc: Doc, revision: number): Edit {
     clones: doc.clones,
     pose: doc.pose,
     turned: doc.turned,
-    fields: doc.fields.map(({ field, layers }): FieldEdit => ({ field, layers: layers.map(toLayer) })),
+    fields: doc.fields.map((edit): FieldEdit => ({ ...edit, layers: edit.layers.map(toLayer) })),
   };
 }
 
-function toLayer({ name, on, opacity, gains, region }: DocLayer): Layer {
-  return { name, on, opacity, gains, region };
+function toLayer({ key: _, ...layer }: DocLayer): Layer {
+  return layer;
 }
 
 /** Layers of the positions (`null`) or of a field; `null` if the field has no edit. */
@@ -114,8 +116,9 @@ export function layersOf(doc: Doc, target: string | null): readonly DocLayer[] |
 export function withLayersOf(doc: Doc, target: string | null, layers: readonly DocLayer[]): Doc {
   if (target === null) return { ...doc, layers };
   const known = doc.fields.some(({ field }) => field === target);
-  const changed = { field: target, layers };
-  const fields = known ? doc.fields.map((f) => (f.field === target ? changed : f)) : [...doc.fields, changed];
+  const fields = known
+    ? doc.fields.map((f) => (f.field === target ? { ...f, layers } : f))
+    : [...doc.fields, { field: target, layers }];
   return { ...doc, fields };
 }
 
@@ -127,7 +130,9 @@ export function allLayers(doc: Doc): DocLayer[] {
 /** The edit in which two documents differ: of the positions (`null`) or of a field; `undefined` if both or none. */
 export function changedTarget(a: Doc, b: Doc): string | null | undefined {
   const fields = new Set([...a.fields, ...b.fields].map(({ field }) => field));
-  const changed = [...fields].filter((f) => layersOf(a, f) !== layersOf(b, f));
+  const changed = [...fields].filter(
+    (f) => layersOf(a, f) !== layersOf(b, f) || isFieldOn(a, f) !== isFieldOn(b, f),
+  );
   if (samePositions(a, b)) return changed.length === 1 ? changed[0] : undefined;
   return changed.length === 0 ? null : undefined;
 }
@@ -187,7 +192,7 @@ export function mapGains(
 export function withLevels(doc: Doc, levels: DocLevels): Doc {
   const map = (gains: readonly number[]) => mapGains(gains, doc.levels.sigmas, levels.sigmas);
   const mapAll = (layers: readonly DocLayer[]) => layers.map((l) => ({ ...l, gains: map(l.gains) }));
-  const fields = doc.fields.map(({ field, layers }) => ({ field, layers: mapAll(layers) }));
+  const fields = doc.fields.map((edit) => ({ ...edit, layers: mapAll(edit.layers) }));
   return { ...doc, levels, layers: mapAll(doc.layers), fields: fields.length > 0 ? fields : NO_FIELDS };
 }
 
@@ -223,9 +228,36 @@ export function isNeutral(doc: Doc): boolean {
 }
 
 /** Clones and handles of the edit; `null` if there are none. */
-export function reshapedBy({ clones, pose }: Doc): ReshapedBy | null {
+export function reshapedBy(doc: Pick<Doc, 'clones' | 'pose'>): ReshapedBy | null {
+  const clones = activeClones(doc.clones);
+  const pose = doc.pose && activePose(doc.pose);
   const bending = pose && pose.handle.length > 0 ? pose : null;
   return bending || clones.length > 0 ? { clones, pose: bending } : null;
+}
+
+/** A function of an immutable value that gives the same object for the same value. */
+function remembered<T extends object, R>(compute: (value: T) => R): (value: T) => R {
+  const known = new WeakMap<T, R>();
+  return (value) => {
+    if (!known.has(value)) known.set(value, compute(value));
+    return known.get(value)!;
+  };
+}
+
+/** Clones that are on, without their names. */
+const activeClones = remembered((clones: readonly DetailClone[]): readonly DetailClone[] =>
+  clones.filter(isOn).map(({ name: _, on: __, ...clone }) => clone),
+);
+
+/** The pose of the handles and pins that are on, without names. */
+const activePose = remembered(({ pinned, ...pose }: Pose): Pose => {
+  const handle = pose.handle.filter(isOn).map(({ name: _, on: __, ...one }) => one);
+  return { ...pose, fixed: pinned === false ? null : (pose.fixed ?? null), handle };
+});
+
+/** True for what has an effect. */
+export function isOn({ on }: { on?: boolean }): boolean {
+  return on !== false;
 }
 
 export function sameReshape(a: ReshapedBy | null, b: ReshapedBy | null): boolean {
@@ -373,8 +405,14 @@ function sameEdit(a: Doc, b: Doc): boolean {
 function sameFields(a: Doc, b: Doc): boolean {
   return [...a.fields, ...b.fields].every(({ field }) => {
     const [p, q] = [layersOf(a, field) ?? [], layersOf(b, field) ?? []];
-    return sameLayers(p, q) || (isBlank(p) && isBlank(q));
+    const isSameEye = isFieldOn(a, field) === isFieldOn(b, field);
+    return (sameLayers(p, q) && isSameEye) || (isBlank(p) && isBlank(q));
   });
+}
+
+/** True if the edit of a field has an effect, or there is none. */
+export function isFieldOn(doc: Doc, field: string): boolean {
+  return isOn(doc.fields.find((f) => f.field === field) ?? {});
 }
 
 /** True for no layers, and for a single one as it is made for a new edit. */
@@ -396,6 +434,7 @@ function sameLayers(a: readonly DocLayer[], b: readonly DocLayer[]): boolean {
         l.on === m.on &&
         l.opacity === m.opacity &&
         l.region === m.region &&
+        l.preset === m.preset &&
         l.gains.every((g, j) => g === m.gains[j])
       );
     })
