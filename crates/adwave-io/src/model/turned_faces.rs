@@ -149,7 +149,9 @@ impl Turns<'_> {
         }
         let mut of_turned = vec![false; self.points.len()];
         for (_, _, face) in self.turned() {
-            face.iter().for_each(|&v| of_turned[v as usize] = true);
+            for &v in face {
+                of_turned[v as usize] = true;
+            }
         }
         let reversed = |field: &Field, is_reversed: &dyn Fn(usize) -> bool| {
             let mut values = field.to_f64();
@@ -177,7 +179,9 @@ impl Turns<'_> {
             }
             let mut values = field.to_f64();
             for (row, _) in values.chunks_exact_mut(3).zip(self.is_turned).filter(|(_, turned)| **turned) {
-                row.iter_mut().for_each(|x| *x = 0.0 - *x);
+                for x in row {
+                    *x = 0.0 - *x;
+                }
             }
             changed.push((at, field.with_values_rounded(&values)));
         }
