@@ -56,6 +56,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
     if (studio.isGrid) {
       if (key === '?') showKeys(true);
       else if (key === '\\') studio.setBefore(true);
+      else if (key === 's') studio.gridView.toggleWipe();
       else if (key === 'f') studio.gridView.fitAll();
       else if (key === 'e') focusSliders();
       else return;

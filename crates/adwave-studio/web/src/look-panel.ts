@@ -88,18 +88,24 @@ function featureControls(
   /** Place of the last click, from which the next one is measured. */
   let lastPlace: number[] | null = null;
   const facts = h('output', {});
+  const action = h('div', {});
   const card = h(
     'div',
     { class: 'card', hidden: true },
-    facts,
+    h('div', {}, facts, action),
     iconButton('close', text.closeCard, () => closeCard()),
   );
   const closeCard = () => {
     card.hidden = true;
     view.showMark(null);
   };
-  const showCard = (lines: readonly HTMLElement[], place: readonly number[] | null) => {
+  const showCard = (
+    lines: readonly HTMLElement[],
+    place: readonly number[] | null,
+    button: HTMLElement | null = null,
+  ) => {
     facts.replaceChildren(...lines);
+    action.replaceChildren(...(button ? [button] : []));
     card.hidden = false;
     view.showMark(place);
   };
@@ -206,8 +212,7 @@ function featureControls(
       distance === null ? '' : text.distance(formatNumber(distance, 4)),
     ];
     const facts = lines.filter((line) => line !== '').map((line) => h('div', {}, line));
-    const isMesh = studio.shape!.n_triangles > 0;
-    showCard(isMesh ? [...facts, turnPartButton(studio, v)] : facts, point);
+    showCard(facts, point, studio.shape!.n_triangles > 0 ? turnPartButton(studio, v) : null);
   };
   return { controls: [featureBox, threshold], card };
 }

@@ -88,17 +88,20 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
     if (e.key === ' ' || e.key === 'Enter') studio.setBefore(true);
   });
   before.addEventListener('keyup', () => studio.setBefore(false));
-  const split = iconButton('split', text.split, look.toggleSplit);
+  const split = iconButton('split', text.split, () =>
+    studio.isGrid ? studio.gridView.toggleWipe() : look.toggleSplit(),
+  );
   const badge = h('span', { class: 'badge', hidden: true }, text.beforeShort);
   studio.on(['doc', 'shape', 'waiting'], () => {
     undo.disabled = !studio.history.canUndo || studio.waiting.size > 0;
     redo.disabled = !studio.history.canRedo || studio.waiting.size > 0;
   });
-  studio.on(['before', 'compared'], () => {
+  studio.on(['before', 'compared', 'shape'], () => {
     badge.hidden = !view.showsOriginal;
     badge.textContent = studio.comparison ? text.compareShort[studio.comparison.method] : text.beforeShort;
     before.setAttribute('aria-pressed', String(view.showsOriginal));
-    split.setAttribute('aria-pressed', String(view.split !== null));
+    const at = studio.isGrid ? studio.gridView.wipe.at : view.split;
+    split.setAttribute('aria-pressed', String(at !== null));
   });
   const tools = h(
     'button',
@@ -106,8 +109,7 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
     text.tools,
   );
   studio.on('shape', () => {
-    // Of an image or a volume there is nothing to compare, to wipe or to report yet.
-    split.hidden = studio.isGrid;
+    // Of an image or a volume there is nothing to compare or to report yet.
     tools.hidden = studio.isGrid;
   });
   const bar = h(

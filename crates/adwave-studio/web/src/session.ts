@@ -2,6 +2,7 @@
 
 import type { ShapeRequest } from './boot';
 import { coarseTriangles } from './compute/coarse';
+import { rememberGrid } from './grid/grid-memory';
 import { restoreHistory, storeHistory } from './history-store';
 import type { Edit, EditSummary, LevelsAnswer, LevelsChoice, Shape } from './protocol';
 import { fetchEditAfterReload, Saver } from './saver';
@@ -129,7 +130,8 @@ export class Session {
     const { shape, history, saver } = this.studio;
     if (!shape || !saver) return;
     storeHistory(shape, history);
-    if (this.studio.shownView && !shape.grid) rememberView(shape, this.studio.shownView.get());
+    if (shape.grid) rememberGrid(shape, this.studio.gridView.memory);
+    else if (this.studio.shownView) rememberView(shape, this.studio.shownView.get());
   }
 
   /** Starts editing a document of the server; further steps are saved there. */

@@ -1,8 +1,12 @@
+import { editListText } from './edit-list-text';
 import type { GrabMode } from './grab';
+import { pictureText } from './paper/picture-text';
 
 /** All texts of the page. A translation is another table of this type. */
 
 export const text = {
+  ...editListText,
+  ...pictureText,
   title: 'adwave studio',
   close: 'Close',
   apply: 'Apply',
@@ -65,24 +69,6 @@ export const text = {
     band1: 'Keeps the finest third of the bands and removes the others.',
     band2: 'Removes the finest third of the bands and doubles the others.',
   } as Record<string, string>,
-  /** The preset of a layer, and the number of bands that were changed since. */
-  presetChanged: (preset: string, n: number) =>
-    n === 0 ? preset : `${preset}, ${n} ${n === 1 ? 'band' : 'bands'} changed`,
-  bandsChanged: (n: number) => `${n} ${n === 1 ? 'band' : 'bands'} changed`,
-  onTop: 'On top of the layers',
-  cloneItem: (k: number) => `Clone ${k}`,
-  cloneNote: (source: number, n: number) => `from vertex ${source}, ${n} ${n === 1 ? 'stamp' : 'stamps'}`,
-  handleItem: (k: number) => `Handle ${k}`,
-  handleNote: (vertex: number | null, by: string) =>
-    `${vertex === null ? 'a region' : `vertex ${vertex}`}, moved by ${by}`,
-  pinsItem: 'Pins',
-  pinsNote: (n: number) => `${n} pinned ${n === 1 ? 'place' : 'places'}`,
-  turnedItem: 'Turned part',
-  turnedNote: (vertex: number) => `at vertex ${vertex}`,
-  fieldItem: (field: string) => `Field ${field}`,
-  moveUp: (name: string) => `Move ${name} up`,
-  moveDown: (name: string) => `Move ${name} down`,
-  itemRename: (name: string) => `Name of ${name}`,
   draw: 'Draw',
   drawHint: 'Draw a gain curve over the bands',
   reset: 'Reset',
@@ -471,34 +457,6 @@ export const text = {
   viewFile: 'View (JSON)',
   badView: (name: string) => `${name} holds no view. Download one with File, View (JSON).`,
   pointSize: 'Point size',
-  picturesOpen: 'Picture for print…',
-  pictures: 'Picture for print',
-  picturesNote:
-    'The view at any size, drawn with four samples per pixel. All that is seen now is in the picture.',
-  gridPicturesNote: 'The panes as they are shown, enlarged to a width in pixels.',
-  pictureWidth: 'Width (pixels)',
-  pictureHeight: 'Height (pixels)',
-  transparent: 'Transparent ground',
-  withLegend: 'Legend of the colors',
-  pictureSave: 'Save picture (PNG)',
-  turnFrames: 'Frames of a turn',
-  turnSeconds: 'Seconds of the video',
-  framesSave: 'Save frames (PNG in a ZIP)',
-  videoSave: 'Save video (WebM)',
-  noVideo: 'This browser makes no videos.',
-  pictureRecipe: 'Recipe',
-  pictureRecipeNote:
-    'A small file with the view, the edit and these choices. Dropped on the page with the same shape, it makes the picture again.',
-  pictureRecipeSave: 'Save recipe of the picture',
-  pictureNumber: (label: string, min: string, max: string, value: string) =>
-    `${label}: must be a whole number from ${min} to ${max}, got “${value}”.`,
-  drawing: (share: number) => `Drawing the picture: ${Math.round(100 * share)} %`,
-  drawingTurn: (k: number, n: number) => `Drawing the turn: ${k} of ${n}`,
-  encoding: (seconds: number) => `Making the video, which takes ${seconds} s`,
-  badPicture: (name: string) =>
-    `${name} must be the recipe of a picture of a shape; save one with Picture for print.`,
-  otherPicture: (name: string, n: number, got: number) =>
-    `The picture shows ${name} with ${n} vertices, and the open shape has ${got}. Open that shape first.`,
   recipe: 'Recipe',
   recipeOf: (name: string) => `Recipe of ${name}`,
   recipeNote: 'The edit as a text file. Apply it to this or another shape with adwave filter --recipe.',
@@ -606,6 +564,7 @@ export const text = {
     ['Ctrl+S Ctrl+O', 'Save, open'],
     ['\\', 'Show the original while held'],
     ['F', 'Show all of it'],
+    ['S', 'Wipe between before and after'],
     ['E', 'Focus the sliders; Tab selects the next, arrow keys move it, S and M solo and mute it'],
     ['Drag', 'Move an image; in a volume, move the cross, and with Shift the slice'],
     ['Click', 'Mark a place of an image, whose values are then shown'],

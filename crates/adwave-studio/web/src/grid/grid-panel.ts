@@ -181,7 +181,7 @@ export function gridPanel(studio: Studio, view: GridView): HTMLElement {
     sliceTitle.hidden = isImage;
     slices.list.hidden = isImage;
     slices.rebuild(grid);
-    relief.set(0);
+    relief.set(Math.round(40 * Math.log10(view.look.relief)));
     smooth.querySelector('input')!.checked = view.look.smooth;
     window.show();
     showMode();

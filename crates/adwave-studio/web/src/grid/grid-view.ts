@@ -6,9 +6,11 @@ import type { GridInfo } from '../protocol';
 import { soloLayers } from '../state';
 import type { Shown, Studio } from '../studio';
 import { text } from '../text';
+import { type GridMemory, recallGrid } from './grid-memory';
 import { Pane } from './pane';
 import { type Part, Plane, partFor, queryOf } from './plane';
 import { type ShadeMode, type Shading, usualHeight } from './shade';
+import { gridWipe, type Wipe } from './wipe';
 
 /** Largest number of values of a loaded part; with its bands they are some forty megabytes. */
 const MOST_VALUES = 1 << 20;
@@ -37,6 +39,8 @@ interface PaneState {
   isWanted: boolean;
   /** Index of the loaded slice; the gains and colors that it is painted with are those of `painted`. */
   painted: string;
+  /** Slice, part and look of the picture before the edit, for a wipe. */
+  paintedBefore: string;
 }
 
 export class GridView implements Shown {
@@ -56,6 +60,7 @@ export class GridView implements Shown {
   /** Counter of contents; answers to requests for an older one are ignored. */
   private content = 0;
   private readonly listeners: (() => void)[] = [];
+  readonly wipe: Wipe = gridWipe(() => this.request());
 
   constructor(private readonly studio: Studio) {
     new ResizeObserver(() => this.request()).observe(this.element);
@@ -88,11 +93,17 @@ export class GridView implements Shown {
         slice: (by) => this.step(view.fixed!, by),
       });
       pane.canvas.addEventListener('keydown', (event) => this.press(k, event));
-      return { pane, loading: false, isWanted: false, painted: '' };
+      return { pane, loading: false, isWanted: false, painted: '', paintedBefore: '' };
     });
     const titled = ({ pane }: PaneState) =>
       isVolume ? h('figure', {}, pane.element, h('figcaption', {}, pane.view.name)) : pane.element;
-    this.element.replaceChildren(...this.panes.map(titled));
+    this.element.replaceChildren(...this.panes.map(titled), this.wipe.divider);
+    const memory = recallGrid(this.studio.shape!);
+    if (memory) {
+      this.look = { ...memory.look };
+      this.cross = memory.cross.map((k, axis) => Math.min(grid.sizes[axis]! - 1, Math.max(0, Math.round(k))));
+      for (const [k, { pane }] of this.panes.entries()) if (memory.panes[k]) pane.place = memory.panes[k];
+    }
     this.element.classList.toggle('three', isVolume);
     this.reload();
     await this.waitUntilSettled();
@@ -107,12 +118,24 @@ export class GridView implements Shown {
     if (this.look.mode === 'relief') this.repaint();
   }
 
+  /** Everything that is remembered from one visit to the next. */
+  get memory(): GridMemory {
+    return { look: this.look, cross: this.cross, panes: this.panes.map(({ pane }) => pane.place) };
+  }
+
+  /** Shows the values before the edit in a part of the panes, or no longer. */
+  toggleWipe(): void {
+    this.wipe.toggle();
+    this.studio.emit('before');
+  }
+
   /** Loads all planes again, because the bands are others. */
   reload(): void {
     this.content++;
     for (const state of this.panes) {
       state.pane.plane = null;
       state.painted = '';
+      state.paintedBefore = '';
     }
     this.request();
   }
@@ -124,7 +147,10 @@ export class GridView implements Shown {
   }
 
   private repaint(): void {
-    for (const state of this.panes) state.painted = '';
+    for (const state of this.panes) {
+      state.painted = '';
+      state.paintedBefore = '';
+    }
     this.request();
   }
 
@@ -181,6 +207,8 @@ export class GridView implements Shown {
     const style = getComputedStyle(this.element);
     const [ink, muted] = ['--accent', '--strong'].map((name) => style.getPropertyValue(name));
     const hasGaps = grid.n_missing > 0;
+    const frame = this.element.getBoundingClientRect();
+    const split = this.wipe.at === null ? null : frame.left + this.wipe.at * frame.width;
     for (const state of this.panes) {
       const { pane } = state;
       this.load(state);
@@ -192,10 +220,16 @@ export class GridView implements Shown {
           pane.paint(this.shadingOf(state), showsOriginal);
           state.painted = painted;
         }
+        const paintedBefore = `${this.content} ${JSON.stringify(plane.part)}`;
+        if (split !== null && paintedBefore !== state.paintedBefore) {
+          pane.paint(this.shadingOf(state), true, true);
+          state.paintedBefore = paintedBefore;
+        }
       }
       const cross = this.hasMark ? pane.view.axes.map((axis) => this.cross[axis]!) : null;
       const shown = cross as [number, number] | null;
-      pane.draw({ smooth: this.look.smooth, cross: shown, hasGaps, ink: ink!, muted: muted! });
+      const wipe = split === null ? null : split - pane.canvas.getBoundingClientRect().left;
+      pane.draw({ smooth: this.look.smooth, cross: shown, wipe, hasGaps, ink: ink!, muted: muted! });
     }
     this.shownDoc = studio.doc;
     studio.timings.recordFrame(began, true, () => this.finish());

@@ -2,6 +2,7 @@
 
 import { h } from '../dom';
 import type { GridInfo, SliceView } from '../protocol';
+import type { PaneMemory } from './grid-memory';
 import type { Plane } from './plane';
 import { type Shading, shade } from './shade';
 
@@ -33,6 +34,8 @@ export class Pane {
   ratio: number | null = null;
   private readonly context: CanvasRenderingContext2D;
   private readonly picture = document.createElement('canvas');
+  /** The plane before the edit, for a wipe. */
+  private readonly before = document.createElement('canvas');
   /** Enlargement, 1 for a plane that fits; and the indices in the middle of the pane. */
   private zoom = 1;
   private middle: [number, number];
@@ -145,9 +148,21 @@ export class Pane {
     this.middle = [inside(this.middle[0], this.sizes[0]), inside(this.middle[1], this.sizes[1])];
   }
 
-  /** Computes the colors of the plane. */
-  paint(shading: Shading, showsOriginal: boolean): void {
-    const { plane, picture } = this;
+  /** Enlargement and middle, to be restored at another visit. */
+  get place(): PaneMemory {
+    return { zoom: this.zoom, middle: [...this.middle] };
+  }
+
+  set place({ zoom, middle }: PaneMemory) {
+    this.zoom = Math.max(0.5, zoom);
+    this.middle = [...middle];
+    this.keepInside();
+  }
+
+  /** Computes the colors of the plane: of the values that are shown, or of those before the edit for a wipe. */
+  paint(shading: Shading, showsOriginal: boolean, isForWipe = false): void {
+    const { plane } = this;
+    const picture = isForWipe ? this.before : this.picture;
     if (!plane) return;
     const { rows, columns, nChannels } = plane;
     if (picture.width !== columns || picture.height !== rows) {
@@ -170,6 +185,8 @@ export class Pane {
   draw(options: {
     smooth: boolean;
     cross: readonly [number, number] | null;
+    /** Place in pixels of the page up to which the plane is shown as it was before the edit; `null` for none of it. */
+    wipe: number | null;
     /** True if there are places without data, which are shown as stripes. */
     hasGaps: boolean;
     ink: string;
@@ -197,8 +214,24 @@ export class Pane {
       context.imageSmoothingEnabled = options.smooth;
       context.imageSmoothingQuality = 'high';
       context.drawImage(picture, 0, 0);
+      if (options.wipe !== null && options.wipe > 0) this.drawBefore(options.wipe * ratio);
     }
     if (options.cross) this.drawCross(options.cross, ratio, options.ink);
+  }
+
+  /** Draws the plane before the edit up to a column of the canvas, with the present transform. */
+  private drawBefore(width: number): void {
+    const { context, before } = this;
+    const transform = context.getTransform();
+    context.save();
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.beginPath();
+    context.rect(0, 0, width, this.canvas.height);
+    context.clip();
+    context.clearRect(0, 0, width, this.canvas.height);
+    context.setTransform(transform);
+    context.drawImage(before, 0, 0);
+    context.restore();
   }
 
   private drawStripes(ratio: number, ink: string): void {

@@ -3,7 +3,12 @@
 import { colorTable } from '../colors';
 
 /** `color` shows channels as red, green and blue. */
-export type ShadeMode = 'gray' | 'map' | 'relief' | 'color';
+const SHADE_MODES = ['gray', 'map', 'relief', 'color'] as const;
+export type ShadeMode = (typeof SHADE_MODES)[number];
+
+export function isShadeMode(name: unknown): name is ShadeMode {
+  return SHADE_MODES.some((mode) => mode === name);
+}
 
 export interface Shading {
   mode: ShadeMode;
