@@ -137,6 +137,23 @@ impl CountMatrix<'_> {
         }
     }
 
+    /// Calls `each` with the channels and values of each row, from the first on; zeros may be missing.
+    pub(crate) fn visit_rows(&self, mut each: impl FnMut(&mut dyn Iterator<Item = (usize, f64)>)) {
+        match self.values {
+            CountValues::Dense(values) => {
+                for row in values.chunks_exact(self.n_channels.max(1)) {
+                    each(&mut row.iter().copied().enumerate());
+                }
+            }
+            CountValues::Sparse(rows) => {
+                for x in 0..rows.n_rows() {
+                    let (columns, values) = rows.row(x);
+                    each(&mut columns.iter().zip(values).map(|(&c, &v)| (c as usize, v)));
+                }
+            }
+        }
+    }
+
     /// Writes some channels of a row.
     pub(crate) fn copy_row(&self, node: usize, channels: ChannelBlock<'_>, out: &mut [f64]) {
         let ChannelBlock { channels, follow } = channels;

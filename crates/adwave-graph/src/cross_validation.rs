@@ -4,6 +4,7 @@
 //! factors c of the cells, train values a = c·A/p and test values b = c·B/(1 − p), the mean of `(Pᵗa − b)²` is the risk
 //! of t plus the variance of b, which does not depend on t. All t come from one series of products.
 
+use crate::channel_keys::mix;
 use crate::count_matrix::{ChannelBlock, RowFactors};
 use crate::lane_block::{LaneBlock, blocks};
 use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
@@ -249,14 +250,6 @@ fn squared_difference(a: &LaneBlock<f64>, b: &LaneBlock<f64>) -> f64 {
 /// Mixes a seed, a node and a channel to 64 random bits.
 fn hash(seed: u64, node: u64, channel: u64) -> u64 {
     mix(mix(mix(seed).wrapping_add(node)).wrapping_add(channel))
-}
-
-/// The finalizer of SplitMix64 (`steele2014`).
-fn mix(state: u64) -> u64 {
-    let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }
 
 /// Number of `count` molecules that are drawn with probability `share`.

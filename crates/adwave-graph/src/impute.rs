@@ -8,9 +8,13 @@ use crate::{CountMatrix, GraphWalkError, Transformation, WalkAccuracy, WalkPower
 use adwave::Progress;
 use adwave::bands::{BandsParams, Precision, Schedule, Transform};
 use adwave::operator::{Diffusion, Semigroup};
+use rayon::prelude::*;
 
 /// Relative accuracy of fractional powers.
 const ACCURACY: f64 = 1e-10;
+
+/// Channels of equal times that are processed together.
+const CHANNELS_AT_A_TIME: usize = 128;
 
 /// Values to impute: some channels of a matrix, after a transformation.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +79,63 @@ pub fn impute_into(
         diffuse(powers, input, &factors, walk, out, progress)?;
     }
     Ok(accuracy)
+}
+
+/// Computes `P^t X` as [`impute_into`] with a number of steps of its own for each channel of the input, in its order.
+///
+/// The accuracy is that of the most steps.
+///
+/// # Errors
+/// As for [`impute_into`].
+///
+/// # Panics
+/// Unless there is a number of steps per channel, and `out` has n_nodes × channels values.
+///
+/// ```
+/// use adwave::{Progress, bands::Precision, rows::CompressedRows};
+/// use adwave_graph::{
+///     CountMatrix, CountValues, ImputationInput, Transformation, WalkMatrix, WalkPowers, impute_by_channel_into,
+/// };
+/// let swap = CompressedRows::new(vec![0, 1, 2], vec![1, 0], vec![1.0, 1.0], 2)?;
+/// let powers = WalkPowers::new(WalkMatrix::from_probabilities(swap, Progress::none())?, Progress::none())?;
+/// let counts = CountMatrix { values: CountValues::Dense(&[1.0, 2.0, 3.0, 4.0]), n_channels: 2 };
+/// let transformation = Transformation::default();
+/// let input = ImputationInput { counts, transformation, channels: &[0, 1], precision: Precision::Double };
+/// let mut out = [0.0; 4];
+/// impute_by_channel_into(&powers, input, &[2, 1], &mut out, Progress::none())?;
+/// assert_eq!(out, [1.0, 4.0, 3.0, 2.0]);
+/// # Ok::<(), adwave_graph::GraphWalkError>(())
+/// ```
+pub fn impute_by_channel_into(
+    powers: &WalkPowers,
+    input: ImputationInput<'_>,
+    steps: &[u32],
+    out: &mut [f64],
+    progress: Progress<'_>,
+) -> Result<WalkAccuracy, GraphWalkError> {
+    let n_channels = input.channels.len();
+    assert_eq!(steps.len(), n_channels, "a number of steps per channel");
+    assert_eq!(out.len(), powers.n_nodes() * n_channels, "the output has a value per node and channel");
+    let mut order: Vec<usize> = (0..n_channels).collect();
+    order.sort_by_key(|&i| (steps[i], i));
+    let most = order.last().map_or(0, |&i| steps[i]);
+    let (mut channels, mut values, mut n_done) = (Vec::new(), Vec::new(), 0);
+    for group in order.chunk_by(|&a, &b| steps[a] == steps[b]) {
+        for places in group.chunks(CHANNELS_AT_A_TIME) {
+            progress.step(n_done as u64, n_channels as u64)?;
+            channels.clear();
+            channels.extend(places.iter().map(|&i| input.channels[i]));
+            values.resize(powers.n_nodes() * places.len(), 0.0);
+            let part = ImputationInput { channels: &channels, ..input };
+            impute_into(powers, part, f64::from(steps[places[0]]), &mut values, Progress::none())?;
+            out.par_chunks_mut(n_channels).zip(values.par_chunks(places.len())).for_each(|(out, row)| {
+                places.iter().zip(row).for_each(|(&i, v)| out[i] = *v);
+            });
+            n_done += places.len();
+        }
+    }
+    progress.step(n_channels as u64, n_channels as u64)?;
+    Ok(WalkAccuracy::choose(input.precision, |precision| powers.power_bound(precision, most)))
 }
 
 fn whole_steps<T: LaneNumber>(
