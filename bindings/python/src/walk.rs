@@ -7,9 +7,10 @@ use crate::options::parse_name;
 use adwave::Cancelled;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, KernelName,
-    NearestLists, ScatteringParams, SelfLoops, Transformation, WalkAccuracy, WalkMatrix, WalkOptions,
-    WalkPowers, cross_validate, impute_into, kernel_weights, nearest_lists, pool, scatter, split_counts,
+    ComparedGraph, ComponentScaling, CountMatrix, CountValues, CrossValidationParams, DimensionedPoints,
+    GraphChoiceParams, ImputationInput, KernelName, NearestLists, ScatteringParams, SelfLoops,
+    Transformation, WalkAccuracy, WalkMatrix, WalkOptions, WalkPowers, choose_graph, cross_validate,
+    impute_into, kernel_weights, nearest_lists, pool, principal_components, scatter, split_counts,
 };
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -22,6 +23,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(nearest, module)?)?;
     module.add_function(wrap_pyfunction!(neighbor_weights, module)?)?;
     module.add_function(wrap_pyfunction!(pool_graphs, module)?)?;
+    module.add_function(wrap_pyfunction!(choose_cell_graph, module)?)?;
+    module.add_function(wrap_pyfunction!(count_components, module)?)?;
     module.add_function(wrap_pyfunction!(split_molecules, module)?)
 }
 
@@ -274,6 +277,71 @@ struct CountColumns<'py> {
     columns: PyReadonlyArray1<'py, u32>,
     values: PyReadonlyArray1<'py, f64>,
     n_channels: usize,
+}
+
+impl CountColumns<'_> {
+    fn rows(&self) -> PyResult<CompressedRows<f64>> {
+        let offsets: Vec<usize> = self.offsets.as_slice()?.iter().map(|&at| at.max(0) as usize).collect();
+        let (columns, values) = (self.columns.as_slice()?.to_vec(), self.values.as_slice()?.to_vec());
+        CompressedRows::new(offsets, columns, values, self.n_channels).map_err(|e| value_error(e.to_string()))
+    }
+}
+
+/// Comparison of graphs: the transformation of the values, and the seed.
+#[derive(FromPyObject)]
+struct ComparisonChoices {
+    library_size: Option<f64>,
+    square_root: bool,
+    seed: u64,
+}
+
+/// Scaling, components, neighbors, steps and loss of a graph that was compared.
+type NamedGraph = (&'static str, usize, usize, u32, f64);
+
+/// The chosen graph, steps by channel, losses of 1, 2, … steps, all graphs, numbers of cells and of held-back channels.
+type NamedChoice = (NamedGraph, Vec<u32>, Vec<f64>, Vec<NamedGraph>, usize, usize);
+
+/// Chooses the graph of cells and the times of imputation; none of few cells or channels.
+#[pyfunction]
+#[pyo3(signature = (counts, choices, progress=None))]
+fn choose_cell_graph(
+    py: Python<'_>,
+    counts: CountColumns<'_>,
+    choices: ComparisonChoices,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Option<NamedChoice>> {
+    let (rows, n_channels) = (counts.rows()?, counts.n_channels);
+    let ComparisonChoices { library_size, square_root, seed } = choices;
+    let params = GraphChoiceParams::default()
+        .with_transformation(Transformation { library_size, square_root })
+        .with_seed(seed);
+    let found = run(py, usize::MAX, progress.as_ref(), |p| {
+        choose_graph(&CountMatrix { values: CountValues::Sparse(&rows), n_channels }, params, p)
+    })?;
+    let named = |graph: &ComparedGraph| {
+        (graph.scaling.name(), graph.n_components, graph.n_neighbors, graph.steps, graph.loss)
+    };
+    Ok(found.map(|choice| {
+        let compared = choice.compared.iter().map(named).collect();
+        (named(&choice.best), choice.steps, choice.losses, compared, choice.n_cells, choice.n_held_back)
+    }))
+}
+
+/// Coordinates of cells in the principal components of their counts, n × components.
+#[pyfunction]
+fn count_components<'py>(
+    py: Python<'py>,
+    counts: CountColumns<'_>,
+    scaling: &str,
+    n_components: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (rows, n_channels) = (counts.rows()?, counts.n_channels);
+    let scaling: ComponentScaling = parse_name("scaling", scaling)?;
+    let found = run(py, usize::MAX, None, |p| {
+        let counts = CountMatrix { values: CountValues::Sparse(&rows), n_channels };
+        principal_components(&counts, scaling, n_components, p)
+    })?;
+    arrays::matrix(py, found.coordinates, found.n_components)
 }
 
 /// Scales and orders of scattering, and the number format by its name.

@@ -5,7 +5,7 @@
 //! the products, so that the matrix stays sparse. Cells with equal shares of all channels have equal coordinates.
 
 use crate::channel_keys::{channel_keys, mix};
-use crate::{CountMatrix, CountValues, GraphWalkError};
+use crate::{CountMatrix, GraphWalkError};
 use adwave::rows::CompressedRows;
 use adwave::{Progress, named_values};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -250,8 +250,7 @@ fn means(rows: &CompressedRows<f64>) -> Vec<f64> {
         sums[c as usize] += v;
     }
     let n = rows.n_rows().max(1) as f64;
-    sums.iter_mut().for_each(|sum| *sum /= n);
-    sums
+    sums.iter().map(|sum| sum / n).collect()
 }
 
 /// Inverse of the standard deviation of each column; 0 for a constant one.
@@ -288,7 +287,9 @@ fn orthonormalize(basis: &mut [f64], width: usize) {
         }
         let left = dot(column, column).sqrt();
         let factor = if left > 1e-12 * size { 1.0 / left } else { 0.0 };
-        column.iter_mut().for_each(|v| *v *= factor);
+        for v in column {
+            *v *= factor;
+        }
     }
     for x in 0..n {
         for (c, column) in columns.iter().enumerate() {
@@ -300,6 +301,7 @@ fn orthonormalize(basis: &mut [f64], width: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CountValues;
 
     /// Counts of three kinds of cells, with a constant channel and one without a count.
     fn counts(n: usize, n_channels: usize) -> Vec<f64> {

@@ -15,7 +15,7 @@
 //! their classes.
 
 use crate::channel_keys::{mix, row_and_channel_keys};
-use crate::components::{CenteredRows, ComponentScaling};
+use crate::components::{CenteredRows, ComponentScaling, principal_components};
 use crate::held_back::{Curves, HeldBack, explained_shares};
 use crate::kernel::KernelName;
 use crate::{
@@ -60,7 +60,8 @@ const CLASSES: [usize; 2] = [16, 5];
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GraphChoiceParams {
-    /// Transformation before diffusion, after which values are compared.
+    /// Transformation before diffusion, after which values are compared. Without a library size they are compared after
+    /// scaling to the median sum of the cells.
     pub transformation: Transformation,
     /// Largest number of cells to compare graphs on.
     pub most_cells: usize,
@@ -144,7 +145,10 @@ pub fn choose_graph(
     if sample.n_cells() < FEWEST[0] || held_back.is_empty() {
         return Ok(None);
     }
-    let values = HeldBack::new(&sample.matrix(), held_back.clone(), params.transformation)?;
+    // Shares of the graph do not tell the sums of cells, so values are compared after scaling to equal sums.
+    let library_size = params.transformation.library_size.or(Some(counts.median_row_sum()));
+    let transformation = Transformation { library_size, ..params.transformation };
+    let values = HeldBack::new(&sample.matrix(), &held_back, transformation)?;
     let mut search = Search::new(&sample, &held_back, progress)?;
     let n_graphs = search.components.iter().map(|(_, list)| list.len()).sum::<usize>();
     let n_all = (n_graphs + FINALISTS * OTHER_NEIGHBORS.len() + 1) as u64;
@@ -167,7 +171,7 @@ pub fn choose_graph(
     let curves = values.curves(&powers, MOST_STEPS[1], None, Progress::none())?;
     let (steps, losses) = (curves.best_steps(), curves.losses());
     let classes = TimeClasses::new(&curves, steps);
-    let shares = explained_shares(&powers, &sample.matrix(), params.transformation, steps)?;
+    let shares = explained_shares(&powers, &sample.matrix(), transformation, steps)?;
     let mut by_channel = vec![steps; counts.n_channels];
     for (place, share) in shares.iter().enumerate() {
         if let Some(share) = share {
@@ -178,6 +182,33 @@ pub fn choose_graph(
     let best = ComparedGraph { steps, loss: losses[steps as usize - 1], ..best };
     let (n_cells, n_held_back) = (sample.n_cells(), held_back.len());
     Ok(Some(GraphChoice { best, steps: by_channel, losses, compared, n_cells, n_held_back }))
+}
+
+/// The walk of a chosen graph on all cells: to their nearest neighbors in principal components of all channels, with the
+/// adaptive kernel and loops of weight 1.
+///
+/// # Errors
+/// As for [`principal_components`].
+pub fn cell_walk(
+    counts: &CountMatrix<'_>,
+    graph: &ComparedGraph,
+    progress: Progress<'_>,
+) -> Result<WalkPowers, GraphWalkError> {
+    let found = principal_components(counts, graph.scaling, graph.n_components, progress)?;
+    neighbor_walk(&found.coordinates, found.n_components, graph.n_neighbors, progress)
+}
+
+/// The walk to the nearest neighbors of points.
+fn neighbor_walk(
+    values: &[f64],
+    n_dimensions: usize,
+    n_neighbors: usize,
+    progress: Progress<'_>,
+) -> Result<WalkPowers, GraphWalkError> {
+    let lists = nearest_lists(DimensionedPoints { values, n_dimensions }, n_neighbors, progress)?;
+    let weights = kernel_weights(&lists, KernelName::Adaptive.with_scale(1.0, SCALE_NEIGHBOR), progress)?;
+    let options = WalkOptions { self_loops: SelfLoops::Weight(1.0), ..WalkOptions::default() };
+    Ok(WalkPowers::new(WalkMatrix::from_weights(weights, options, progress)?, progress)?)
 }
 
 /// Some cells and all channels, in an order that depends on their content alone.
@@ -258,10 +289,13 @@ impl Sample {
 /// Scaling, number of components and number of neighbors of a graph.
 type GraphKey = (ComponentScaling, usize, usize);
 
+/// A number of components, and coordinates in them.
+type Coordinates = (usize, Vec<f64>);
+
 /// Comparison of graphs.
 struct Search<'a> {
     /// Coordinates by scaling, for each number of components.
-    components: Vec<(ComponentScaling, Vec<(usize, Vec<f64>)>)>,
+    components: Vec<(ComponentScaling, Vec<Coordinates>)>,
     compared: Vec<ComparedGraph>,
     progress: Progress<'a>,
 }
@@ -269,7 +303,9 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(sample: &Sample, held_back: &[usize], progress: Progress<'a>) -> Result<Self, GraphWalkError> {
         let mut is_kept = vec![true; sample.channels.len()];
-        held_back.iter().for_each(|&c| is_kept[c] = false);
+        for &c in held_back {
+            is_kept[c] = false;
+        }
         let mut components = Vec::new();
         for &scaling in ComponentScaling::ALL {
             let rows = CenteredRows::new(&sample.matrix(), &is_kept, scaling);
@@ -283,7 +319,7 @@ impl<'a> Search<'a> {
     }
 
     fn choices(&self) -> Vec<(ComponentScaling, usize)> {
-        let of = |(scaling, list): &(ComponentScaling, Vec<(usize, Vec<f64>)>)| {
+        let of = |(scaling, list): &(ComponentScaling, Vec<Coordinates>)| {
             list.iter().map(|(k, _)| (*scaling, *k)).collect::<Vec<_>>()
         };
         self.components.iter().flat_map(of).collect()
@@ -295,14 +331,8 @@ impl<'a> Search<'a> {
             self.components.iter().find(|(s, _)| *s == scaling).expect("a scaling of the search");
         let (_, values) =
             of_scaling.1.iter().find(|(k, _)| *k == n_components).expect("components of the search");
-        let points = DimensionedPoints { values, n_dimensions: n_components };
-        let lists = nearest_lists(points, n_neighbors, Progress::none())?;
-        let kernel = KernelName::Adaptive.with_scale(1.0, SCALE_NEIGHBOR);
-        let weights = kernel_weights(&lists, kernel, Progress::none())?;
-        let options = WalkOptions { self_loops: SelfLoops::Weight(1.0), ..WalkOptions::default() };
-        let walk = WalkMatrix::from_weights(weights, options, Progress::none())?;
         self.progress.check()?;
-        Ok(WalkPowers::new(walk, Progress::none())?)
+        neighbor_walk(values, n_components, n_neighbors, Progress::none())
     }
 
     /// Adds a graph at its best time.

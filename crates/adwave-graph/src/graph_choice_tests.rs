@@ -1,7 +1,7 @@
 //! Tests of the choice on counts whose rates are known.
 
 use super::*;
-use crate::{ImputationInput, impute_by_channel_into, principal_components};
+use crate::{ImputationInput, impute_by_channel_into};
 use adwave::bands::Precision;
 use rand_distr::{Distribution, Poisson};
 use rand_pcg::Pcg64Mcg;
@@ -35,14 +35,7 @@ fn choose(values: &[f64], n_channels: usize) -> Option<GraphChoice> {
 /// Imputed values on a graph of all channels.
 fn impute(values: &[f64], n_channels: usize, graph: ComparedGraph, steps: &[u32]) -> Vec<f64> {
     let counts = dense(values, n_channels);
-    let found = principal_components(&counts, graph.scaling, graph.n_components, Progress::none()).unwrap();
-    let points = DimensionedPoints { values: &found.coordinates, n_dimensions: found.n_components };
-    let lists = nearest_lists(points, graph.n_neighbors, Progress::none()).unwrap();
-    let kernel = KernelName::Adaptive.with_scale(1.0, SCALE_NEIGHBOR);
-    let weights = kernel_weights(&lists, kernel, Progress::none()).unwrap();
-    let options = WalkOptions { self_loops: SelfLoops::Weight(1.0), ..WalkOptions::default() };
-    let walk = WalkMatrix::from_weights(weights, options, Progress::none()).unwrap();
-    let powers = WalkPowers::new(walk, Progress::none()).unwrap();
+    let powers = cell_walk(&counts, &graph, Progress::none()).unwrap();
     let channels: Vec<usize> = (0..n_channels).collect();
     let mut out = vec![0.0; values.len()];
     let (transformation, precision) = (Transformation::default(), Precision::Double);

@@ -4,7 +4,7 @@ use crate::channel_keys::mix;
 use crate::count_matrix::{ChannelBlock, RowFactors};
 use crate::lane_block::{LaneBlock, blocks};
 use crate::lanes::MAX_LANES;
-use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
+use crate::{CountMatrix, CountValues, GraphWalkError, Transformation, WalkPowers};
 use adwave::Progress;
 use rayon::prelude::*;
 
@@ -53,15 +53,15 @@ impl HeldBack {
     /// Some channels of a matrix after a transformation.
     pub(crate) fn new(
         counts: &CountMatrix<'_>,
-        channels: Vec<usize>,
+        channels: &[usize],
         transformation: Transformation,
     ) -> Result<Self, GraphWalkError> {
         let n = match counts.values {
-            crate::CountValues::Dense(values) => values.len() / counts.n_channels.max(1),
-            crate::CountValues::Sparse(rows) => rows.n_rows(),
+            CountValues::Dense(values) => values.len() / counts.n_channels.max(1),
+            CountValues::Sparse(rows) => rows.n_rows(),
         };
         let factors = RowFactors::new(counts, transformation)?;
-        let block = ChannelBlock::new(&channels);
+        let block = ChannelBlock::new(channels);
         let mut values = vec![0.0; n * channels.len()];
         for (x, row) in values.chunks_exact_mut(channels.len().max(1)).enumerate() {
             counts.copy_row(x, block, row);
@@ -140,7 +140,7 @@ pub(crate) fn explained_shares(
     }
     let mut found = Vec::with_capacity(counts.n_channels);
     for range in blocks(counts.n_channels) {
-        let values = HeldBack::new(counts, range.clone().collect(), transformation)?;
+        let values = HeldBack::new(counts, &range.clone().collect::<Vec<_>>(), transformation)?;
         let width = range.len();
         let fill = |node: usize, row: &mut [f64]| {
             row.copy_from_slice(&values.values[node * width..][..width]);
@@ -235,7 +235,7 @@ impl ReturnProbabilities {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CountValues, SelfLoops, WalkMatrix, WalkOptions};
+    use crate::{SelfLoops, WalkMatrix, WalkOptions};
     use adwave::rows::CompressedRows;
 
     /// A path with loops and a few chords.
@@ -287,7 +287,7 @@ mod tests {
         let powers = path(n);
         let values: Vec<f64> = (0..n).map(|x| (mix(x as u64) % 7) as f64).collect();
         let counts = CountMatrix { values: CountValues::Dense(&values), n_channels: 1 };
-        let held = HeldBack::new(&counts, vec![0], Transformation::default()).unwrap();
+        let held = HeldBack::new(&counts, &[0], Transformation::default()).unwrap();
         let curves = held.curves(&powers, 1, None, Progress::none()).unwrap();
         let rows = powers.walk().rows();
         let mean = values.iter().sum::<f64>() / n as f64;

@@ -45,7 +45,7 @@ pub use components::{ComponentScaling, Components, principal_components};
 pub use count_matrix::{CountMatrix, CountValues, Transformation};
 pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate, split_counts};
 pub use error::GraphWalkError;
-pub use graph_choice::{ComparedGraph, GraphChoice, GraphChoiceParams, choose_graph};
+pub use graph_choice::{ComparedGraph, GraphChoice, GraphChoiceParams, cell_walk, choose_graph};
 pub use impute::{ImputationInput, impute_by_channel_into, impute_into};
 pub use kernel::{Kernel, KernelName, kernel_weights};
 pub use nearest::{DimensionedPoints, MAX_TIED, NearestLists, nearest_lists};

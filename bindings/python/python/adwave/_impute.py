@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from adwave import _native
 from adwave._caller import public
+from adwave._cell_graph import CellGraph, ComparedValues, GraphChoice, choose_cell_graph
 from adwave._walk import Walk, as_walk, point_walk
 from adwave._walk import walk as make_walk
 
@@ -58,9 +59,10 @@ class Imputation:
 
     #: Values, cells × genes.
     values: NDArray[np.float64]
-    #: Number of steps.
+    #: Number of steps; where genes have times of their own, the common one.
     steps: float
-    #: Mean squared error of 0, 1, 2, … steps by cross-validation; empty if the time was given.
+    #: Error of 0, 1, 2, … steps: the mean share of the variance of held-back genes that other cells do not explain, or by
+    #: molecules that are held back the mean squared error. Empty if the time was given.
     errors: NDArray[np.float64]
     #: Columns of the values in the matrix that was given.
     genes: NDArray[np.int64]
@@ -72,13 +74,17 @@ class Imputation:
     precision: str = "double"
     #: Bound of the rounding errors relative to ``Pᵗ|X|``: for counts the relative error of each value.
     error_bound: float = 0.0
+    #: Number of steps of each gene of the values; all are `steps` unless the graph was chosen.
+    steps_by_gene: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    #: The chosen graph and what it was compared with; None if the graph or the time was given.
+    choice: GraphChoice | None = field(default=None, repr=False)
 
 
 @public(t="steps", X="counts")
 def impute(
     counts: Any,
     walk: object = None,
-    steps: float | Literal["auto"] = "auto",
+    steps: float | Literal["auto", "molecules"] = "auto",
     *,
     genes: Sequence[int] | Sequence[str] | None = None,
     layer: str | None = None,
@@ -87,11 +93,12 @@ def impute(
     seed: int = 0,
     precision: Literal["auto", "single", "double"] = "double",
 ) -> Imputation:
-    """Average counts over similar cells, ``Pᵗ X``, for a number of steps t chosen by molecular cross-validation.
+    """Average counts over similar cells, ``Pᵗ X``, on a graph and for numbers of steps t that are chosen.
 
-    Diffusion for too long removes the differences between cells: look at `Imputation.errors`, which should have their
-    least value inside. A graph that was made from the same counts knows the molecules that are held back, so that the
-    time comes out too short; without a graph, cross-validation makes one of its own from the molecules that it diffuses.
+    Without a graph, graphs of several numbers of principal components and neighbors are compared by genes that they have
+    not seen: how well other cells predict them, each gene counting the same. Genes that are mostly noise take more steps
+    than others (`Imputation.steps_by_gene`). On a given graph the time is chosen by molecules that are held back. A graph
+    that was made from the same counts knows these molecules, so that the time comes out too short.
 
     Parameters
     ----------
@@ -99,10 +106,12 @@ def impute(
         Raw counts, finite. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
     walk : Walk or graph, optional
         The walk, or anything that `adwave.walk` takes. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
-        other counts that of the nearest neighbors in their first principal components.
-    steps : float or 'auto'
-        Number of steps t. ``"auto"`` holds back a tenth of the molecules and takes the time that predicts them best, which
-        needs raw counts. Fractional steps need a walk that stays half of the time.
+        other counts it is chosen, or with `steps` that of the 15 nearest neighbors in 50 principal components.
+    steps : float, 'auto' or 'molecules'
+        Number of steps t. ``"auto"`` chooses the graph and the times of the genes; of a given graph, of fewer than 50 cells or
+        of fewer than 20 genes that vary it is ``"molecules"``: a tenth of the molecules is held back, and one time is taken
+        for all genes, that which predicts them best. This needs raw counts. Fractional steps need a walk that stays half of
+        the time.
     genes : sequence of int or str, optional
         Columns of the result, by number or (of an AnnData) by name; all by default.
     layer : str, optional
@@ -112,7 +121,7 @@ def impute(
     square_root : bool
         Takes square roots before diffusion; the result stays in square roots.
     seed : int
-        Seed of the split of the molecules.
+        Seed of the cells and genes, or of the molecules, by which is chosen.
     precision : {'double', 'single', 'auto'}
         Number format of the products. ``"single"`` is faster and off by (t + 1)·6e-8 of each value; ``"auto"`` takes it if
         errors are at most 1e-10. The time is chosen in double precision, and fractional steps are taken in it.
@@ -129,13 +138,11 @@ def impute(
     notes: list[str] = []
     given = counts
     counts, names = _matrix(given, layer)
-    is_own_graph = False
-    if walk is None:
-        own, is_own_graph = _default_walk(given, counts, notes)
-    else:
-        own = as_walk(walk)
+    if isinstance(steps, str) and steps not in ("auto", "molecules"):
+        raise ValueError(f"steps must be a number, 'auto' or 'molecules', got {steps!r}")
+    own = _given_walk(given, walk, notes)
     n, n_genes = counts.shape
-    if n != own.n_vertices:
+    if own is not None and n != own.n_vertices:
         hint = (
             "; it has a column per node, so it seems to be genes × cells: transpose it"
             if n_genes == own.n_vertices
@@ -143,39 +150,77 @@ def impute(
         )
         raise ValueError(f"counts must have one row for each of {own.n_vertices} nodes, got shape {counts.shape}{hint}")
     chosen = _columns(genes, names, n_genes)
-    size = None
-    totals = np.zeros(n)
-    if library_size is not None:
-        rows = _canonical_rows(counts)
-        _check_counts(rows, "library_size")
-        totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
-        positive = totals[totals > 0]
-        size = float(np.median(positive)) if library_size == "median" and positive.size else 1.0
-        if library_size != "median":
-            size = float(library_size)
-        if not size > 0 or not np.isfinite(size):
-            raise ValueError(f"library_size must be greater than 0, got {library_size}")
-    errors = np.empty(0)
-    if steps == "auto":
-        molecules = _sparse(counts)
-        # A graph of all molecules knows those that are held back, and the least error would be found too early.
-        judge = _walk_of_train(molecules, int(seed)) if is_own_graph else own
-        if not is_own_graph:
-            notes.append("time by the given graph: too short if the graph was made from these counts")
-        chosen_steps, found, _, is_at_limit = judge._data.cross_validate(
-            molecules, _Split(SHARE, size, int(seed), MOST_STEPS)
-        )
-        errors = np.array(found)
-        steps = float(chosen_steps)
-        if is_at_limit:
-            notes.append(f"the error still falls at {MOST_STEPS} steps, the most that were tried")
+    size, totals = _library_size(counts, library_size)
+    cells = None
+    if own is None and steps == "auto":
+        cells = _chosen_graph(counts, ComparedValues(size, square_root, int(seed)), notes)
+        own = None if cells is None else cells.walk
+    is_own_graph = own is None
+    if own is None:
+        notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
+        own = point_walk(principal_components(counts, N_COMPONENTS))
+    if cells is not None:
+        errors, by_gene, steps = cells.losses, cells.steps[chosen].astype(np.float64), float(cells.choice.best.steps)
+    else:
+        errors = np.empty(0)
+        if isinstance(steps, str):
+            steps, errors = _steps_by_molecules(counts, own, is_own_graph, _Split(SHARE, size, int(seed), MOST_STEPS), notes)
+        by_gene = np.full(len(chosen), float(steps))
     values = np.empty((n, len(chosen)))
     accuracy: tuple[str, float] = ("double", 0.0)
-    for place, block in _blocks(counts, chosen):
+    for place, t in _groups(by_gene):
+        block = _dense_columns(counts, chosen[place])
         if size is not None:
             block *= np.divide(size, totals, out=np.ones(n), where=totals > 0)[:, None]
-        values[:, place], accuracy = own._data.impute(block, float(steps), square_root, precision)
-    return Imputation(values, float(steps), errors, chosen, own, tuple(notes), accuracy[0], accuracy[1])
+        values[:, place], found = own._data.impute(block, t, square_root, precision)
+        accuracy = max(accuracy, found, key=lambda a: a[1])
+    return Imputation(
+        values, float(steps), errors, chosen, own, tuple(notes), *accuracy, by_gene, None if cells is None else cells.choice
+    )
+
+
+def _library_size(counts: Any, library_size: float | str | None) -> tuple[float | None, NDArray[np.float64]]:
+    """The sum to which cells are scaled, and the sums that they have."""
+    if library_size is None:
+        return None, np.zeros(counts.shape[0])
+    rows = _canonical_rows(counts)
+    _check_counts(rows, "library_size")
+    totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
+    positive = totals[totals > 0]
+    size = float(np.median(positive)) if library_size == "median" and positive.size else 1.0
+    if library_size != "median":
+        size = float(library_size)
+    if not size > 0 or not np.isfinite(size):
+        raise ValueError(f"library_size must be greater than 0, got {library_size}")
+    return size, totals
+
+
+def _chosen_graph(counts: Any, compared: ComparedValues, notes: list[str]) -> CellGraph | None:
+    """The chosen graph of counts; None of few cells or genes."""
+    _check_counts(counts, "the nearest neighbors in principal components")
+    found = choose_cell_graph(_sparse(counts), compared)
+    if found is not None:
+        best, choice = found.choice.best, found.choice
+        notes.append(
+            f"walk to the {best.neighbors} nearest neighbors in {best.components} principal components ({best.scaling}), the best "
+            f"of {len(choice.compared)} graphs by {choice.n_held_back} genes that were held back from {choice.n_cells} cells"
+        )
+    return found
+
+
+def _steps_by_molecules(
+    counts: Any, own: Walk, is_own_graph: bool, split: _Split, notes: list[str]
+) -> tuple[float, NDArray[np.float64]]:
+    """The number of steps by molecules that are held back, and the error of 0, 1, 2, … steps."""
+    molecules = _sparse(counts)
+    # A graph of all molecules knows those that are held back, and the least error would be found too early.
+    judge = _walk_of_train(molecules, split.seed) if is_own_graph else own
+    if not is_own_graph:
+        notes.append("time by the given graph: too short if the graph was made from these counts")
+    steps, errors, _, is_at_limit = judge._data.cross_validate(molecules, split)
+    if is_at_limit:
+        notes.append(f"the error still falls at {MOST_STEPS} steps, the most that were tried")
+    return float(steps), np.array(errors)
 
 
 def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
@@ -208,17 +253,18 @@ def _walk_of_train(counts: _Counts, seed: int) -> Walk:
     return point_walk(principal_components(rows, N_COMPONENTS))
 
 
-def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
-    """The walk of an AnnData's neighbors, or that of the counts, and whether it is the latter."""
+def _given_walk(X: Any, walk: object, notes: list[str]) -> Walk | None:
+    """The given walk, or that of an AnnData's neighbors; None if there is none."""
+    if walk is not None:
+        return as_walk(walk)
     pairs, coordinates = getattr(X, "obsp", {}), getattr(X, "obsm", {})
     if "connectivities" in pairs:
         notes.append("walk on obsp['connectivities'], with loops of weight 1")
-        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0), False
+        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0)
     if "X_pca" in coordinates:
         notes.append("walk to the 15 nearest neighbors in obsm['X_pca']")
-        return point_walk(coordinates["X_pca"]), False
-    notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
-    return point_walk(principal_components(counts, N_COMPONENTS)), True
+        return point_walk(coordinates["X_pca"])
+    return None
 
 
 def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
@@ -325,14 +371,23 @@ def _columns(genes: Any, names: list[str] | None, n_genes: int) -> NDArray[np.in
     return np.array(chosen, dtype=np.int64)
 
 
-def _blocks(counts: Any, chosen: NDArray[np.int64]) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Some columns at a time as a dense array of its own."""
-    for start in range(0, len(chosen), BLOCK):
-        place = slice(start, min(start + BLOCK, len(chosen)))
-        block = counts[:, chosen[place]]
-        if hasattr(block, "toarray"):
-            block = block.toarray()
-        yield place, np.array(block, dtype=np.float64, order="C")
+def _groups(steps: NDArray[np.float64]) -> Iterator[tuple[NDArray[np.int64] | slice, float]]:
+    """Places of genes that are processed together, and their number of steps."""
+    for t in np.unique(steps):
+        places = np.flatnonzero(steps == t)
+        for start in range(0, len(places), BLOCK):
+            part = places[start : start + BLOCK]
+            # A range of columns is copied as a whole.
+            is_range = part[-1] - part[0] + 1 == len(part)
+            yield slice(int(part[0]), int(part[-1]) + 1) if is_range else part, float(t)
+
+
+def _dense_columns(counts: Any, columns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Some columns as a dense array of their own."""
+    block = counts[:, columns]
+    if hasattr(block, "toarray"):
+        block = block.toarray()
+    return np.array(block, dtype=np.float64, order="C")
 
 
 def _sparse(counts: Any) -> _Counts:

@@ -37,8 +37,10 @@ __all__ = [
     "basis_matrices",
     "channels_by_mask",
     "check_region",
+    "choose_cell_graph",
     "clone_detail",
     "color_map_names",
+    "count_components",
     "denoise_frames",
     "denoise_points",
     "denoise_values",
@@ -433,4 +435,13 @@ def time_bands(values: _Floats, options: object, progress: _Report = None) -> _F
 def time_delay(n_frames: int, options: object) -> float: ...
 def time_filter(values: _Floats, options: object, gains: list[float], progress: _Report = None) -> _Floats: ...
 def split_molecules(counts: object, share: float, seed: int) -> _Floats: ...
+def choose_cell_graph(
+    counts: object, choices: object, progress: _Report = None
+) -> (
+    tuple[
+        tuple[str, int, int, int, float], list[int], list[float], list[tuple[str, int, int, int, float]], int, int
+    ]
+    | None
+): ...
+def count_components(counts: object, scaling: str, n_components: int) -> _Floats: ...
 def pool_graphs(values: _Floats, graph_of: NDArray[np.uint32], n_graphs: int, pooling: str) -> _Floats: ...

@@ -40,16 +40,17 @@ impl CellsFile {
         Ok(Some(self.file.columns_of(genes).map_err(|e| in_file(&self.path, &e))?))
     }
 
-    /// The walk that the arguments name, or that of the file's neighbors, or of its principal components.
+    /// The walk that the arguments name, or that of the file's neighbors, or of its principal components; `None` if there
+    /// is none.
     pub(super) fn walk(
         &self,
         args: &ImputeArgs,
         defaults: WalkDefaults,
         global: &Global<'_>,
-    ) -> Result<ResolvedWalk, CliError> {
+    ) -> Result<Option<ResolvedWalk>, CliError> {
         let walk = &args.walk;
         if walk.graph.is_some() || walk.walk.is_some() || walk.points.is_some() {
-            return load_walk(walk, defaults, global);
+            return load_walk(walk, defaults, global).map(Some);
         }
         let path = self.path.as_path();
         let weights = with_progress(global, "reading", |progress| {
@@ -59,20 +60,17 @@ impl CellsFile {
             let name = self.file.connectivities_name().unwrap_or_default();
             note(global, &format!("the walk is that of {name} (--graph, --walk or --points for another)"));
             let content = WalkContent::Graph(Some(weights));
-            return load_walk_from(WalkSource { path, content }, walk, defaults, global);
+            return load_walk_from(WalkSource { path, content }, walk, defaults, global).map(Some);
         }
         let points = with_progress(global, "reading", |progress| {
             self.file.principal_components(progress).map_err(|e| in_file(path, &e))
         })?;
         if points.is_none() {
-            return Err(CliError::Input(format!(
-                "{}: there is neither obsp/connectivities nor obsm/X_pca; compute them (scanpy.pp.neighbors), or give --graph, \
-                 --walk or --points",
-                path.display()
-            )));
+            return Ok(None);
         }
         note(global, "the walk is that of obsm/X_pca (--graph, --walk or --points for another)");
-        load_walk_from(WalkSource { path, content: WalkContent::Points(points) }, walk, defaults, global)
+        let source = WalkSource { path, content: WalkContent::Points(points) };
+        load_walk_from(source, walk, defaults, global).map(Some)
     }
 
     /// Writes a copy of the file with the values as its `X`.

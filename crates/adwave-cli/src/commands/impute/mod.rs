@@ -1,6 +1,7 @@
 //! `adwave impute`: counts averaged over similar cells.
 
 mod anndata;
+mod chosen_graph;
 
 use crate::args::{WalkArgs, parse_named, seed as parse_seed};
 use crate::error::CliError;
@@ -18,11 +19,13 @@ use adwave::bands::Precision;
 use adwave::pages::zeros;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    AnnDataMatrix, CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError,
-    ImputationInput, Transformation, WalkAccuracy, cross_validate, impute_into,
+    AnnDataMatrix, CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphChoice,
+    GraphWalkError, ImputationInput, Transformation, WalkAccuracy, cross_validate, impute_by_channel_into,
+    impute_into,
 };
 use adwave_io::{ArrayValues, write_npy};
 use anndata::CellsFile;
+use chosen_graph::ChosenGraph;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -34,12 +37,15 @@ const PRINTED_TIMES: usize = 12;
 #[command(after_help = "\
 COUNTS is a matrix of cells × genes: .npy (numpy.save), a sparse .mtx, or the X or a layer of an .h5ad (AnnData).
 The result is .npy, cells × genes, 64-bit floats; of an .h5ad also a copy of it, .h5ad, with the result as X.
-Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca.
+Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca. Without these, and of
+other files, the graph is chosen: some genes are held back, and graphs of several numbers of principal components and neighbors are
+compared by how well other cells predict these genes. Genes that are mostly noise take more steps than others.
 
-The time is a number of steps of the walk. 'auto' chooses it by molecular cross-validation: a tenth of the molecules is held back,
-the others are diffused, and the time whose result predicts the held-back molecules best is taken. This needs raw counts.
+The time is a number of steps of the walk. On a given graph 'auto' chooses it by molecular cross-validation: a tenth of the molecules
+is held back, the others are diffused, and the time whose result predicts the held-back molecules best is taken. This needs raw counts.
 
 Examples:
+  adwave impute counts.mtx -o imputed.npy
   adwave impute cells.h5ad -o imputed.h5ad --layer counts
   adwave impute cells.h5ad -o imputed.h5ad --genes CD4,CD8A --time 3
   adwave impute counts.npy -o imputed.npy --points pca.npy
@@ -67,7 +73,7 @@ pub(crate) struct ImputeArgs {
     /// Take square roots before diffusion
     #[arg(long)]
     pub(crate) sqrt: bool,
-    /// Seed of the split of the molecules
+    /// Seed of the molecules, or of the cells and genes, by which is chosen
     #[arg(long, value_name = "K", value_parser = parse_seed, default_value_t = 0)]
     pub(crate) seed: u64,
     /// File for the errors of all times that were tried (.csv)
@@ -128,21 +134,34 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
     let genes = counts.genes(args)?;
     let matrix = counts.matrix();
     let library_size = library_size(args, &matrix)?;
+    let transformation = Transformation { library_size, square_root: args.sqrt };
     let defaults = WalkDefaults { self_loops: 1.0, stay: 0.0 };
-    let walk = match &counts {
+    let names_walk = args.walk.graph.is_some() || args.walk.walk.is_some() || args.walk.points.is_some();
+    let given = match &counts {
         LoadedCounts::InFile(cells, _) => cells.walk(args, defaults, global)?,
-        _ => load_walk(&args.walk, defaults, global)?,
+        _ if names_walk => Some(load_walk(&args.walk, defaults, global)?),
+        _ => None,
+    };
+    let (walk, times) = match (given, given_time) {
+        (Some(walk), Some(steps)) => (walk, Times::Given(steps)),
+        (Some(walk), None) => {
+            let found = choose_time(args, &walk, &matrix, library_size, global)?;
+            (walk, Times::Molecules(found))
+        }
+        (None, None) => {
+            let ChosenGraph { walk, choice } = chosen_graph::choose(args, &matrix, transformation, global)?;
+            (walk, Times::Genes(choice))
+        }
+        (None, Some(_)) => {
+            return Err(CliError::Input(format!(
+                "{}: a number of steps needs a walk: give --graph, --walk or --points, or leave out --time",
+                args.counts.display()
+            )));
+        }
     };
     let powers = &walk.powers;
-    let chosen = if given_time.is_none() {
-        Some(choose_time(args, &walk, &matrix, library_size, global)?)
-    } else {
-        None
-    };
-    let steps = given_time.unwrap_or_else(|| chosen.as_ref().map_or(0.0, |found| f64::from(found.steps)));
     check_memory(powers.n_nodes(), genes.as_ref().map_or(matrix.n_channels, Vec::len))?;
     let channels = genes.clone().unwrap_or_else(|| (0..matrix.n_channels).collect());
-    let transformation = Transformation { library_size, square_root: args.sqrt };
     let mut out = zeros::<f64>(powers.n_nodes() * channels.len());
     let accuracy = with_progress(global, "imputing", |progress| {
         let input = ImputationInput {
@@ -151,7 +170,14 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
             channels: &channels,
             precision: args.precision,
         };
-        impute_into(powers, input, steps, &mut out, progress).map_err(|e| in_file(&args.counts, &e))
+        let done = match &times {
+            Times::Genes(choice) => {
+                let steps: Vec<u32> = channels.iter().map(|&c| choice.steps[c]).collect();
+                impute_by_channel_into(powers, input, &steps, &mut out, progress)
+            }
+            _ => impute_into(powers, input, times.common(), &mut out, progress),
+        };
+        done.map_err(|e| in_file(&args.counts, &e))
     })?;
     match &counts {
         LoadedCounts::InFile(cells, _) if has_extension(&args.output, &["h5ad"]) => {
@@ -163,10 +189,37 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
             })
         })?,
     }
-    if let (Some(path), Some(found)) = (&args.curve, &chosen) {
-        write_file(global, path, curve_csv(found).as_bytes())?;
+    if let (Some(path), Some(curve)) = (&args.curve, times.curve()) {
+        write_file(global, path, curve_csv(&curve).as_bytes())?;
     }
-    report(args, &walk, &ImputationOutcome { steps, chosen, n_genes: channels.len(), accuracy }, global)
+    report(args, &walk, &ImputationOutcome { times, n_genes: channels.len(), accuracy }, global)
+}
+
+/// Numbers of steps, and what they were chosen by.
+enum Times {
+    Given(f64),
+    Molecules(CrossValidation),
+    Genes(GraphChoice),
+}
+
+impl Times {
+    /// The number of steps, where genes have their own the common one.
+    fn common(&self) -> f64 {
+        match self {
+            Self::Given(steps) => *steps,
+            Self::Molecules(found) => f64::from(found.steps),
+            Self::Genes(choice) => f64::from(choice.best.steps),
+        }
+    }
+
+    /// Errors with their numbers of steps.
+    fn curve(&self) -> Option<Vec<(usize, f64)>> {
+        match self {
+            Self::Given(_) => None,
+            Self::Molecules(found) => Some(found.errors.iter().copied().enumerate().collect()),
+            Self::Genes(choice) => Some((1..).zip(choice.losses.iter().copied()).collect()),
+        }
+    }
 }
 
 /// Checks that a dense result fits the free memory.
@@ -265,9 +318,9 @@ fn library_size(args: &ImputeArgs, matrix: &CountMatrix<'_>) -> Result<Option<f6
     }
 }
 
-fn curve_csv(found: &CrossValidation) -> String {
+fn curve_csv(curve: &[(usize, f64)]) -> String {
     let mut text = "steps,error\n".to_owned();
-    for (steps, error) in found.errors.iter().enumerate() {
+    for (steps, error) in curve {
         text += &format!("{steps},{error}\n");
     }
     text
@@ -275,8 +328,7 @@ fn curve_csv(found: &CrossValidation) -> String {
 
 /// Numbers of the report.
 struct ImputationOutcome {
-    steps: f64,
-    chosen: Option<CrossValidation>,
+    times: Times,
     n_genes: usize,
     accuracy: WalkAccuracy,
 }
@@ -287,40 +339,52 @@ fn report(
     outcome: &ImputationOutcome,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let &ImputationOutcome { steps, ref chosen, n_genes, accuracy } = outcome;
+    let &ImputationOutcome { ref times, n_genes, accuracy } = outcome;
     let mut text = format!("{}\n{}\n", args.counts.display(), walk.text);
-    if let Some(found) = chosen {
-        text += &format!(
-            "{} by molecular cross-validation over {}\n\n",
-            count(found.steps, "step", "steps"),
-            count(found.channels.len(), "gene", "genes")
-        );
-        let apart = found.errors.len().div_ceil(PRINTED_TIMES);
-        let shown = (0..found.errors.len()).filter(|t| t % apart == 0 || *t == found.steps as usize);
-        text += &table(
-            ["steps", "mean squared error", ""],
-            shown.map(|t| {
-                let mark = if t == found.steps as usize { "least" } else { "" };
-                [t.to_string(), number(found.errors[t]), mark.to_owned()]
-            }),
-        );
-        text.push('\n');
-    } else {
-        text += &format!("{steps} steps\n");
-    }
+    text += &match times {
+        Times::Given(steps) => format!("{steps} steps\n"),
+        Times::Molecules(found) => molecules_text(found),
+        Times::Genes(choice) => chosen_graph::text(choice),
+    };
     let relative_to = "relative to the same average of absolute values";
     text += &single_precision_line(accuracy, "values", relative_to);
     text += &format!("{}, {}\n", count(n_genes, "gene", "genes"), args.output.display());
-    let curve = chosen.as_ref().map_or(Value::Null, |found| json!(found.errors));
     let json = json!({
         "counts": args.counts.display().to_string(),
         "output": args.output.display().to_string(),
         "graph": walk.json,
-        "steps": steps,
-        "time_is_chosen": chosen.is_some(),
-        "errors": curve,
+        "steps": times.common(),
+        "time_is_chosen": !matches!(times, Times::Given(_)),
+        "errors": match times {
+            Times::Molecules(found) => json!(found.errors),
+            _ => Value::Null,
+        },
+        "choice": match times {
+            Times::Genes(choice) => chosen_graph::json(choice),
+            _ => Value::Null,
+        },
         "genes": n_genes,
         "products": accuracy_json(accuracy),
     });
     print(global, &text, &json)
+}
+
+/// The errors by molecules that were held back, some of them.
+fn molecules_text(found: &CrossValidation) -> String {
+    let mut text = format!(
+        "{} by molecular cross-validation over {}\n\n",
+        count(found.steps, "step", "steps"),
+        count(found.channels.len(), "gene", "genes")
+    );
+    let apart = found.errors.len().div_ceil(PRINTED_TIMES);
+    let shown = (0..found.errors.len()).filter(|t| t % apart == 0 || *t == found.steps as usize);
+    text += &table(
+        ["steps", "mean squared error", ""],
+        shown.map(|t| {
+            let mark = if t == found.steps as usize { "least" } else { "" };
+            [t.to_string(), number(found.errors[t]), mark.to_owned()]
+        }),
+    );
+    text.push('\n');
+    text
 }
