@@ -111,7 +111,7 @@ test.describe('a color image', () => {
   test('is shown in color, without what only shapes have', async () => {
     await expect(page.locator('canvas.picture')).toBeHidden();
     for (const name of ['Layers', 'Brush']) await expect(page.getByRole('tab', { name })).toBeHidden();
-    await expect(page.getByRole('button', { name: /^Wipe/ })).toBeHidden();
+    await expect(page.getByRole('button', { name: /^Wipe/ })).toBeVisible();
     await expect(page.getByRole('button', { name: 'Tools' })).toBeHidden();
     await expect(page.getByRole('button', { name: 'Color', exact: true })).toHaveAttribute(
       'aria-pressed',
