@@ -137,10 +137,10 @@ impl Document {
     /// Checks the rules that do not depend on the shape.
     pub(crate) fn check(&self, n_levels: usize) -> Result<(), ApiError> {
         self.reshaped_by().check()?;
-        if let Some(pair) = self.turned.windows(2).find(|pair| pair[0] >= pair[1]) {
+        let is_unsorted = |pair: &&[u32]| pair[0] >= pair[1];
+        if let Some(&[before, after]) = self.turned.windows(2).find(is_unsorted) {
             return Err(ApiError::bad_request(format!(
-                "turned parts must be in ascending order, each once, got {} before {}; sort them",
-                pair[0], pair[1]
+                "turned parts must be in ascending order, each once, got {before} before {after}; sort them"
             )));
         }
         check_layers(&self.layers, n_levels)?;

@@ -50,7 +50,7 @@ test.describe
     test('the active preset is shown, and how many bands have changed since', async () => {
       await presets().selectOption({ label: 'Enhance' });
       await expect(presets().locator('option:checked')).toHaveText('Enhance');
-      await expect(layer()).toContainText('Whole shape · Enhance');
+      await expect(layer()).toHaveText(/Layer 1Enhance$/);
       await setSlider(page, 2, 10);
       await setSlider(page, 4, 150);
       await expect(presets().locator('option:checked')).toHaveText('Enhance, 2 bands changed');

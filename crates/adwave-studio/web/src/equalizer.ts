@@ -283,8 +283,9 @@ export function equalizer(studio: Studio): HTMLElement {
   /** Shows the preset of the selected layer, and how many bands have changed since. */
   function showPreset(): void {
     presets.value = '';
-    presets.options[0]!.textContent =
-      gainSummary(studio.layer, studio.shape?.presets ?? [], 'presets') || text.presets;
+    const named = gainSummary(studio.layer, studio.shape?.presets ?? [], 'presets');
+    presets.options[0]!.textContent = named || text.presets;
+    presets.classList.toggle('named', named !== '');
   }
 
   function rebuild(): void {

@@ -27,7 +27,9 @@ function duplicateLayer(studio: Studio, layer: DocLayer): void {
 /** Describes where a layer acts, and its gains. */
 function describeLayer(studio: Studio, layer: DocLayer): string {
   const gains = gainSummary(layer, studio.shape?.presets ?? []);
-  return [describeRegion(layer.region), gains].filter((part) => part !== '').join(' · ');
+  // There is little room, and most layers act everywhere.
+  const where = gains !== '' && layer.region === null ? '' : describeRegion(layer.region);
+  return [where, gains].filter((part) => part !== '').join(' · ');
 }
 
 /** Creates the list item of a layer; `rename` is called with its displayed name on a double click. */
