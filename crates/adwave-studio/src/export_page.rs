@@ -31,7 +31,7 @@ struct ExportedShape {
 
 impl ExportedShape {
     /// Turns over the triangles of the parts that the edit turns.
-    fn turned(self, prepared: &PreparedShape) -> Result<Self, ApiError> {
+    fn with_turned_parts(self, prepared: &PreparedShape) -> Result<Self, ApiError> {
         if prepared.bands.document.turned.is_empty() {
             return Ok(self);
         }
@@ -52,7 +52,7 @@ impl ExportedShape {
 pub(crate) fn export_page(session: &Session) -> ApiResult {
     let exported = select_vertices(session)?;
     let prepared = session.lock_prepared()?;
-    let exported = exported.turned(&prepared)?;
+    let exported = exported.with_turned_parts(&prepared)?;
     let content = encode_content(session, &prepared, &exported);
     drop(prepared);
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());

@@ -55,7 +55,7 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     }
 
     /// Document in which the flagged faces are turned over; `None` if a plain new file has to be written.
-    fn turned(&self, _is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+    fn with_turned_faces(&self, _is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
         None
     }
 

@@ -42,8 +42,8 @@ impl ShapeFile {
             return Err(ShapeFileError::PartOfFile);
         }
         let corner_normals = self.normals_of_corners();
-        let faces = turned(&self.faces, is_turned);
-        let document = self.original.as_deref().and_then(|source| source.turned(is_turned));
+        let faces = turn_polygons(&self.faces, is_turned);
+        let document = self.original.as_deref().and_then(|source| source.with_turned_faces(is_turned));
         let turns = Turns { points: &self.points, faces: &faces, is_turned };
         let fields = turns.fields(&self.vertex_fields);
         let face_fields = turns.face_fields(&self.face_fields);
@@ -82,7 +82,7 @@ pub(crate) fn turn_list<T>(list: &mut [T]) {
     }
 }
 
-fn turned(faces: &Polygons, is_turned: &[bool]) -> Polygons {
+fn turn_polygons(faces: &Polygons, is_turned: &[bool]) -> Polygons {
     let mut result = Polygons::with_capacity(faces.len(), faces.corners().len());
     let mut corners = Vec::new();
     for (face, &is_turned) in faces.iter().zip(is_turned) {
@@ -105,7 +105,7 @@ struct Turns<'a> {
 
 impl Turns<'_> {
     /// Turned faces: index, first corner in the list of all corners, and corners.
-    fn turned(&self) -> impl Iterator<Item = (usize, usize, &[u32])> {
+    fn turned_faces(&self) -> impl Iterator<Item = (usize, usize, &[u32])> {
         let faces = self.faces.iter().enumerate().filter(|(f, _)| self.is_turned[*f]);
         faces.map(|(f, face)| (f, self.faces.end(f) - face.len(), face))
     }
@@ -131,7 +131,7 @@ impl Turns<'_> {
     /// list of all corners, its vertex and its face.
     fn point_back(&self, normal: impl Fn(usize, u32, usize) -> [f64; 3]) -> bool {
         let mut sum = 0.0;
-        for (f, first, face) in self.turned() {
+        for (f, first, face) in self.turned_faces() {
             let area = self.area_vector(face);
             for (k, &v) in face.iter().enumerate() {
                 let along: f64 = normal(first + k, v, f).iter().zip(area).map(|(n, a)| n * a).sum();
@@ -148,7 +148,7 @@ impl Turns<'_> {
             return Vec::new();
         }
         let mut of_turned = vec![false; self.points.len()];
-        for (_, _, face) in self.turned() {
+        for (_, _, face) in self.turned_faces() {
             for &v in face {
                 of_turned[v as usize] = true;
             }
@@ -193,11 +193,11 @@ impl Turns<'_> {
         if normals.len() != before.corners().len() {
             return normals;
         }
-        for (_, first, face) in self.turned() {
+        for (_, first, face) in self.turned_faces() {
             turn_list(&mut normals[first..first + face.len()]);
         }
         if self.point_back(|corner, _, _| normals[corner]) {
-            for (_, first, face) in self.turned() {
+            for (_, first, face) in self.turned_faces() {
                 for normal in &mut normals[first..first + face.len()] {
                     *normal = normal.map(|x| 0.0 - x);
                 }

@@ -37,13 +37,13 @@ fn faces_that_point_inward_are_turned_in_the_saved_file() {
     let parts = studio.get("/api/shapes/1/parts").body;
     let first = |v: u64| u32::from_le_bytes(parts[4 * v as usize..][..4].try_into().unwrap());
     assert_eq!((first(n - 1), u64::from(first(n)), u64::from(first(2 * n - 1))), (0, n, n));
-    let turned = |revision: u64, parts: &[u64]| {
+    let turn = |revision: u64, parts: &[u64]| {
         let mut document = edit(revision, &[]);
         document["turned"] = json!(parts);
         studio.put("/api/shapes/1/edit", &document)
     };
     assert!(info["volume"].as_f64().unwrap().abs() < 1e-9, "one part adds what the other takes away");
-    let moved = turned(1, &[n]).json();
+    let moved = turn(1, &[n]).json();
     for side in 0..2 {
         assert!((moved["volume"][side].as_f64().unwrap() - 2.0 * volume).abs() < 1e-9, "{moved}");
     }
@@ -63,12 +63,12 @@ fn faces_that_point_inward_are_turned_in_the_saved_file() {
         );
     }
     // What is no first vertex of a part is refused, and the edit stays.
-    let refused = turned(2, &[n + 1]);
+    let refused = turn(2, &[n + 1]);
     assert_eq!(refused.status, 400);
     assert!(refused.text().contains(&format!("the part begins at vertex {n}")), "{}", refused.text());
-    assert_eq!(turned(3, &[n, 0]).status, 400);
+    assert_eq!(turn(3, &[n, 0]).status, 400);
     assert_eq!(studio.get("/api/shapes/1/edit").json()["turned"], json!([n]));
     // Without it the file has its own bytes again.
-    assert_eq!(turned(4, &[]).status, 200);
+    assert_eq!(turn(4, &[]).status, 200);
     assert_eq!(studio.get("/api/shapes/1/download?format=ply").body, std::fs::read(&path).unwrap());
 }

@@ -30,7 +30,7 @@ impl SourceDocument for ObjSource {
         read_obj(text, &ReadLimits::default(), Progress::none()).ok().map(ShapeFile::with_original_fields)
     }
 
-    fn turned(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+    fn with_turned_faces(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
         let bytes = turn::turned_text(&self.0.bytes, is_turned)?;
         Some(Arc::new(Self(TextRows { bytes, rows: self.0.rows.clone(), ..self.0 })))
     }

@@ -37,7 +37,7 @@ impl SourceDocument for PlySource {
         Ok(Update::Written)
     }
 
-    fn turned(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+    fn with_turned_faces(&self, is_turned: &[bool]) -> Option<Arc<dyn SourceDocument>> {
         let bytes = turned_bytes(self, is_turned)?;
         Some(Arc::new(Self { bytes, ..self.without_bytes() }))
     }

@@ -30,7 +30,7 @@ impl SourceDocument for StlSource {
         true
     }
 
-    fn turned(&self, _: &[bool]) -> Option<Arc<dyn SourceDocument>> {
+    fn with_turned_faces(&self, _: &[bool]) -> Option<Arc<dyn SourceDocument>> {
         let (header, solids, points) = (self.header.clone(), self.solids.clone(), Arc::clone(&self.points));
         Some(Arc::new(Self { header, solids, points }))
     }
