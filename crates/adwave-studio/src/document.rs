@@ -59,11 +59,11 @@ pub struct FieldEdit {
     /// Layers of the field; their order does not matter.
     pub layers: Vec<DocumentLayer>,
     /// True if the edit of the field has an effect.
-    #[serde(default = "on", skip_serializing_if = "is_on")]
+    #[serde(default = "default_eye", skip_serializing_if = "is_on")]
     pub on: bool,
 }
 
-fn on() -> bool {
+fn default_eye() -> bool {
     true
 }
 
