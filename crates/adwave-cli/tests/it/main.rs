@@ -43,6 +43,7 @@ mod studio;
 mod subdivision;
 mod tiles;
 mod tiles_in_memory;
+mod turned_faces;
 mod two_shapes;
 mod units;
 mod walks;

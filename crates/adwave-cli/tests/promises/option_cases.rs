@@ -378,6 +378,7 @@ const CASES: &[OptionCase] = &[
     case("sample", "--vertices", "90"),
     case("sample", "--points", "100"),
     with(case("convert", "--all-points", ""), "--only z=..99"),
+    case("convert", "--turn-faces", "all"),
     case("demo", "--vertices", "2300"),
     case("demo", "--output", "out/tour"),
     case("compare", "--output", "out/results"),

@@ -13,9 +13,10 @@ use crate::resolve::shape::Input;
 use crate::resolve::signal::COORDS;
 use crate::resolve::turned::turn_parts;
 use adwave::bands::Precision;
+use adwave::filter::Layer;
 use adwave::region::Length;
 use adwave::shape::surface_parts;
-use adwave::{LevelSpec, Progress};
+use adwave::{Decomposer, LevelSpec, Progress};
 use adwave_io::{Recipe, write_recipe};
 use serde_json::json;
 use std::fmt::Write;
@@ -25,7 +26,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
     let saved_levels = job.save_recipe.map(|saved| levels_to_save(&job, &filtered, saved.levels));
     let is_in_time_alone = job.is_in_time_alone();
     let Filtered { decomposer, schedule, layers, edited, change, accuracy, quantity } = filtered;
-    let (signal, output) = (job.signal_name, job.result.path().display().to_string());
+    let (signal, output) = (std::mem::take(&mut job.signal_name), job.result.path().display().to_string());
     let n_vertices = job.input.shape.n_vertices();
     let sigma = schedule.sigma(decomposer.operator().step_length());
     let levels = if is_in_time_alone {
@@ -81,31 +82,47 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         report["bands"] = json!({"precision": precision.name(), "error_bound": error_bound});
     }
     if !job.turned.is_empty() {
-        let parts = surface_parts(decomposer.geometry_for("parts of a surface")?, Progress::none())?;
-        let turned = turn_parts(&mut job.input, &parts, &job.turned)?;
-        turned.describe(&mut text);
-        turned.add_to(&mut report);
+        turn_faces(&mut job, &decomposer, &mut text, &mut report)?;
     }
     job.result.write(&mut job.input, &signal, edited, job.normals, global)?;
     let _ = writeln!(text, "{output}");
     if let (Some(saved), Some(levels)) = (job.save_recipe, saved_levels) {
-        let recipe = Recipe {
-            field: signal,
-            operator: Some(job.operator.kind),
-            density_invariant: job.operator.density_invariant,
-            keep_creases: job.operator.keep_creases,
-            local_fit: job.local_fit,
-            positions: job.positions,
-            levels,
-            layers,
-            clones: job.reshaped_by.as_ref().map_or_else(Vec::new, |by| by.clones.clone()),
-            pose: job.reshaped_by.as_ref().and_then(|by| by.pose.clone()),
-            turned: job.turned,
-        };
+        let recipe = recipe_to_save(&job, signal, levels, layers);
         write_file_with(global, saved.path, |path| write_recipe(path, &recipe))?;
         let _ = writeln!(text, "{}", saved.path.display());
     }
     print(global, &text, &report)
+}
+
+/// Turns over the faces of the parts that the recipe names, and adds their number.
+fn turn_faces(
+    job: &mut FilterJob<'_>,
+    decomposer: &Decomposer,
+    text: &mut String,
+    report: &mut serde_json::Value,
+) -> Result<(), CliError> {
+    let parts = surface_parts(decomposer.geometry_for("parts of a surface")?, Progress::none())?;
+    let turned = turn_parts(&mut job.input, &parts, &job.turned)?;
+    turned.describe(text);
+    turned.add_to(report);
+    Ok(())
+}
+
+/// The recipe of a job.
+fn recipe_to_save(job: &FilterJob<'_>, field: String, levels: LevelSpec, layers: Vec<Layer>) -> Recipe {
+    Recipe {
+        field,
+        operator: Some(job.operator.kind),
+        density_invariant: job.operator.density_invariant,
+        keep_creases: job.operator.keep_creases,
+        local_fit: job.local_fit,
+        positions: job.positions,
+        levels,
+        layers,
+        clones: job.reshaped_by.as_ref().map_or_else(Vec::new, |by| by.clones.clone()),
+        pose: job.reshaped_by.as_ref().and_then(|by| by.pose.clone()),
+        turned: job.turned.clone(),
+    }
 }
 
 /// Adds the gains in space for each band along time.
