@@ -39,7 +39,7 @@ def main() -> None:
         truth = depth * share
         counts = random.poisson(truth)
         # The graph is that of all molecules, as in practice; cross-validation makes its own.
-        found = aw.impute(counts)
+        found = aw.impute(counts, steps="molecules")
         walk = found.walk
         errors, values = [], counts.astype(float)
         for _ in range(len(found.errors)):

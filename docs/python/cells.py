@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Cells, without a surface
 #
-# Counts of molecules in cells that lie on a tree of three branches: a walk to the nearest neighbors in 20 principal
+# Counts of molecules in cells that lie on a tree of three branches: a walk to the nearest neighbors in principal
 # components, counts averaged over similar cells, and the branches found by bands and by scattering features.
 
 # %%
@@ -36,8 +36,8 @@ counts = rng.poisson(rate)
 print(f"{n} cells, {n_genes} genes, {(counts == 0).mean():.0%} of the counts are 0")
 
 # %% [markdown]
-# Without a graph, `impute` makes one from the counts. The time is chosen by molecular cross-validation: a tenth of the
-# molecules is held back and predicted. Here the rates are known, so that the choice can be judged.
+# Without a graph, `impute` chooses one, and a number of steps for each gene: some genes are held back, and graphs of
+# several numbers of components and neighbors predict them. Here the rates are known, so that the choice can be judged.
 
 
 # %%
@@ -47,7 +47,8 @@ def error(values):
 
 found = aw.impute(counts)
 print(
-    f"{found.steps:g} steps chosen; error {error(counts):.3f} before, {error(found.values):.3f} after"
+    f"{found.choice.best.neighbors} neighbors in {found.choice.best.components} components chosen, "
+    f"{found.steps_by_gene.mean():.1f} steps on average; error {error(counts):.3f} before, {error(found.values):.3f} after"
 )
 errors = {
     steps: error(aw.impute(counts, found.walk, steps=steps).values) for steps in range(1, 9)
@@ -72,7 +73,7 @@ print(
 assert shares[0] > 0.5
 
 # %% [markdown]
-# Branches: k-means on the counts of a cell, and on what remains of them after 8 steps, which is the coarsest band.
+# Branches: k-means on the counts of a cell, and on what remains of them after 4 steps, which is the coarsest band.
 
 
 # %%
@@ -90,7 +91,7 @@ def purity(values):
     )
 
 
-single, smooth = purity(counts), purity(walk.smooth(counts.astype(float), 8))
+single, smooth = purity(counts), purity(walk.smooth(counts.astype(float), 4))
 print(
     f"cells in a group of their branch: {single:.1%} by counts, {smooth:.1%} by the coarsest band"
 )
