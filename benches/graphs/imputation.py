@@ -1,6 +1,7 @@
 """Imputation of counts whose rates are known, beside MAGIC, on simulations of four laws.
 
-    python benches/graphs/imputation.py [--seeds 1,3,5] [--size N×M] [--without-magic]
+    python benches/graphs/imputation.py [--seeds 1,3,5] [--without-magic]
+    python benches/graphs/imputation.py --cells 20000 [--depth 1500] [--without-magic]
 
 Needs the package adwave and, for MAGIC, `benches/graphs/requirements.txt`. Cells of branches, of clusters, or of clusters
 on a sheet lose counts by their mean (logistic), by capture of molecules, by zeros at random, or by a mix of these with
@@ -8,17 +9,24 @@ overdispersion. Everything gets the same counts, scaled to equal sums of the cel
 each gene, three measures are taken: squared error relative to the squares of the rates; median over the genes of the
 squared error relative to the variance of the rates; median over the genes of the correlation with the rates. MAGIC runs
 with 5 (its default) and 15 neighbors, on the scaled counts and on their square roots as its graph.
+
+With `--cells`, time and memory on so many cells × 2000 genes instead: dense up to 20 000 cells, else sparse without MAGIC,
+which makes them dense.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import resource
 import time
 import warnings
+from collections.abc import Callable
+from typing import Any
 
 import adwave as aw
 import numpy as np
+from scipy import sparse
 
 #: Laws by their numbers.
 LAWS = ("branches, dropout by mean", "clusters, capture", "branches, zeros at random", "sheet and clusters, mix")
@@ -55,11 +63,11 @@ def sheet_and_clusters(random: np.random.Generator, n: int) -> np.ndarray:
     return random.permutation(np.concatenate([sheet, clusters(random, n - n // 3)]))
 
 
-def simulate(seed: int, size: tuple[int, int] | None = None) -> tuple[np.ndarray, np.ndarray]:
+def simulate(seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Shares of the genes in each cell, and counts, cells × genes."""
     random = np.random.default_rng([59, seed])
     law = law_of(seed)
-    n, genes = size or (int(random.integers(1000, 3001)), int(random.integers(400, 2001)))
+    n, genes = int(random.integers(1000, 3001)), int(random.integers(400, 2001))
     place = (branches, clusters, branches, sheet_and_clusters)[law](random, n)
     amplitude = random.gamma(2.0, 0.4, genes)
     rate = np.exp(amplitude * np.tanh(place @ random.normal(size=(8, genes)) * 0.7) + 1.2 * random.normal(size=genes))
@@ -138,22 +146,62 @@ def methods(with_magic: bool) -> dict:
     return found
 
 
+def large(n: int, depth: float, genes: int = 2000) -> Any:
+    """Sparse counts of clusters of cells, drawn in parts."""
+    random = np.random.default_rng(1)
+    place = clusters(random, n)
+    amplitude, program = random.gamma(2.0, 0.4, genes), random.normal(size=(8, genes)) * 0.7
+    base = 1.2 * random.normal(size=genes)
+    parts = []
+    for start in range(0, n, 5000):
+        rate = np.exp(amplitude * np.tanh(place[start : start + 5000] @ program) + base)
+        mean = depth * random.lognormal(0, 0.3, len(rate))[:, None] * rate / rate.sum(axis=1, keepdims=True)
+        parts.append(sparse.csr_matrix(random.poisson(mean).astype(float)))
+    return sparse.vstack(parts).tocsr()
+
+
+def measure(name: str, work: Callable[[], object]) -> None:
+    """A row of seconds, processor seconds and the largest memory until now."""
+    start, used = time.perf_counter(), time.process_time()
+    work()
+    seconds, processors = time.perf_counter() - start, time.process_time() - used
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    print(f"| {name} | {seconds:.1f} | {processors:.1f} | {memory:.2f} GB |", flush=True)
+
+
+def measure_large(n: int, depth: float, with_magic: bool) -> None:
+    """Time and memory on many cells."""
+    counts = large(n, depth)
+    print(f"| {n} × 2000, {counts.nnz / n / 2000:.0%} positive | seconds | of processors | memory until then |")
+    print("|---|---|---|---|")
+    given = counts.toarray() if n <= 20_000 else counts
+    measure("ours now", lambda: aw.impute(given))
+    if with_magic and n <= 20_000:
+        module = importlib.import_module("magic")
+        measure("MAGIC, t = 3", lambda: module.MAGIC(t=3, random_state=0, verbose=0).fit_transform(given))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", default=",".join(map(str, ODD)))
-    parser.add_argument("--size", help="cells×genes instead of random sizes")
+    parser.add_argument("--cells", type=int, help="measure time and memory on so many cells")
+    parser.add_argument("--depth", type=float, default=1500, help="counts of a cell with --cells")
     parser.add_argument("--without-magic", action="store_true")
     arguments = parser.parse_args()
     warnings.simplefilter("ignore")
+    if arguments.cells:
+        measure_large(arguments.cells, arguments.depth, not arguments.without_magic)
+        return
     seeds = [int(seed) for seed in arguments.seeds.split(",")]
-    size = tuple(map(int, arguments.size.replace("x", "×").split("×"))) if arguments.size else None
     compared = methods(not arguments.without_magic)
     found: dict = {name: [] for name in compared}
     seconds: dict = {name: [] for name in compared}
     for seed in seeds:
-        share, counts = simulate(seed, size)
+        share, counts = simulate(seed)
         given = scaled(counts)
-        print(f"<!-- seed {seed}, {LAWS[law_of(seed)]}, {counts.shape}, {(counts == 0).mean():.0%} zeros -->", flush=True)
+        print(
+            f"<!-- seed {seed}, {LAWS[law_of(seed)]}, {counts.shape}, {(counts == 0).mean():.0%} zeros -->", flush=True
+        )
         for name, method in compared.items():
             start = time.perf_counter()
             values = method(counts, given)

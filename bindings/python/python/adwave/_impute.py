@@ -164,7 +164,9 @@ def impute(
     else:
         errors = np.empty(0)
         if isinstance(steps, str):
-            steps, errors = _steps_by_molecules(counts, own, is_own_graph, _Split(SHARE, size, int(seed), MOST_STEPS), notes)
+            steps, errors = _steps_by_molecules(
+                counts, own, is_own_graph, _Split(SHARE, size, int(seed), MOST_STEPS), notes
+            )
         by_gene = np.full(len(chosen), float(steps))
     values = np.empty((n, len(chosen)))
     accuracy: tuple[str, float] = ("double", 0.0)
@@ -175,7 +177,15 @@ def impute(
         values[:, place], found = own._data.impute(block, t, square_root, precision)
         accuracy = max(accuracy, found, key=lambda a: a[1])
     return Imputation(
-        values, float(steps), errors, chosen, own, tuple(notes), *accuracy, by_gene, None if cells is None else cells.choice
+        values,
+        float(steps),
+        errors,
+        chosen,
+        own,
+        tuple(notes),
+        *accuracy,
+        by_gene,
+        None if cells is None else cells.choice,
     )
 
 

@@ -438,9 +438,7 @@ def split_molecules(counts: object, share: float, seed: int) -> _Floats: ...
 def choose_cell_graph(
     counts: object, choices: object, progress: _Report = None
 ) -> (
-    tuple[
-        tuple[str, int, int, int, float], list[int], list[float], list[tuple[str, int, int, int, float]], int, int
-    ]
+    tuple[tuple[str, int, int, int, float], list[int], list[float], list[tuple[str, int, int, int, float]], int, int]
     | None
 ): ...
 def count_components(counts: object, scaling: str, n_components: int) -> _Floats: ...

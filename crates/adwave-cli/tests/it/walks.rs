@@ -291,6 +291,51 @@ fn what_is_no_walk_is_refused_in_one_line() {
     }
 }
 
+#[test]
+fn the_graph_of_cells_is_chosen_from_counts_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let (n, n_genes) = (120, 40);
+    // Smooth rates along a line of cells, and rounding noise of a fixed pattern.
+    let value = |x: usize, g: usize| {
+        let angle = x as f64 / n as f64 * (1.0 + (g % 3) as f64) * std::f64::consts::PI + g as f64;
+        let noise = ((x * 7919 + g * 104_729) % 13) as f64 / 13.0;
+        (6.0 + 4.0 * angle.sin() + 3.0 * noise).floor()
+    };
+    let counts: Vec<f64> = (0..n).flat_map(|x| (0..n_genes).map(move |g| value(x, g))).collect();
+    write_npy(&path.join("counts.npy"), &[n, n_genes], ArrayValues::F64(&counts)).unwrap();
+    let found = json(path, "impute counts.npy -o all.npy --curve curve.csv");
+    let (choice, steps) = (&found["choice"], found["steps"].as_u64().unwrap());
+    assert_eq!(choice["compared"].as_array().unwrap().len(), 16);
+    assert_eq!(choice["steps_by_gene"].as_array().unwrap().len(), n_genes);
+    assert_eq!(choice["best"]["steps"].as_u64(), Some(steps));
+    let least = choice["best"]["unexplained_share"].as_f64().unwrap();
+    for graph in choice["compared"].as_array().unwrap() {
+        assert!(graph["unexplained_share"].as_f64().unwrap() >= least - 1e-12);
+    }
+    let curve = fs::read_to_string(path.join("curve.csv")).unwrap();
+    let errors: Vec<f64> =
+        curve.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    assert_eq!(errors.len(), 32);
+    assert!((errors[steps as usize - 1] - least).abs() < 1e-12);
+    let all = read(path, "all.npy");
+    json(path, "impute counts.npy -o some.npy --genes 7,2");
+    let some = read(path, "some.npy");
+    for x in 0..n {
+        assert_eq!(some[2 * x..][..2], [all[x * n_genes + 7], all[x * n_genes + 2]]);
+    }
+    let text = adwave(path).args(words("impute counts.npy -o all.npy")).assert().success();
+    let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("chosen by 8 genes held back from the graphs of 120 cells"), "{text}");
+    let time = refused(path, "impute counts.npy -o all.npy --time 3");
+    assert!(time.contains("--time"), "{time}");
+    let neighbors = refused(path, "impute counts.npy -o all.npy --neighbors 3");
+    assert!(neighbors.contains("the graph is chosen"), "{neighbors}");
+    write_npy(&path.join("few.npy"), &[20, n_genes], ArrayValues::F64(&counts[..20 * n_genes])).unwrap();
+    let few = refused(path, "impute few.npy -o few-out.npy");
+    assert!(few.contains("at least 50 cells"), "{few}");
+}
+
 /// Points of the unit sphere along a spiral, and values that vary from each to the next.
 fn write_sphere(folder: &Path) {
     let n = 3000;
