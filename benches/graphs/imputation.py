@@ -3,15 +3,15 @@
     python benches/graphs/imputation.py [--seeds 1,3,5] [--without-magic]
     python benches/graphs/imputation.py --cells 20000 [--depth 1500] [--without-magic]
 
-Needs the package adwave and, for MAGIC, `benches/graphs/requirements.txt`. Cells of branches, of clusters, or of clusters
-on a sheet lose counts by their mean (logistic), by capture of molecules, by zeros at random, or by a mix of these with
+Needs the package adwave and, for MAGIC, `benches/graphs/requirements.txt`. Cells of branches, of clusters, or of
+clusters on a sheet lose counts by their mean (logistic), by capture of molecules, by zeros at random, or by a mix of these with
 overdispersion. Everything gets the same counts, scaled to equal sums of the cells. With the rates scaled to the mean of
 each gene, three measures are taken: squared error relative to the squares of the rates; median over the genes of the
 squared error relative to the variance of the rates; median over the genes of the correlation with the rates. MAGIC runs
 with 5 (its default) and 15 neighbors, on the scaled counts and on their square roots as its graph.
 
-With `--cells`, time and memory on so many cells × 2000 genes instead: dense up to 20 000 cells, else sparse without MAGIC,
-which makes them dense.
+With `--cells`, time and memory on so many cells × 2000 genes instead: dense up to 20 000 cells, else sparse without
+MAGIC, which makes them dense.
 """
 
 from __future__ import annotations

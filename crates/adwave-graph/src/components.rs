@@ -1,8 +1,9 @@
 //! Principal components of counts, by subspace iteration on sparse rows (`halko2011`).
 //!
-//! Counts v of a cell with the sum n become √(v/n) or ln(1 + m·v/n), m the median of n. With the means of the channels
-//! subtracted, the first right singular vectors V of the matrix R give the coordinates RV. The mean is subtracted within
-//! the products, so that the matrix stays sparse. Cells with equal shares of all channels have equal coordinates.
+//! Counts v of a cell with the sum n become √(v/n) or ln(1 + m·v/n), m the median of n. With the means of the
+//! channels subtracted, the first right singular vectors V of the matrix R give the coordinates RV. The mean is
+//! subtracted within the products, so that the matrix stays sparse. Cells with equal shares of all channels have equal
+//! coordinates.
 
 use crate::channel_keys::{channel_keys, mix};
 use crate::{CountMatrix, GraphWalkError};
@@ -86,7 +87,7 @@ pub fn principal_components(
     progress: Progress<'_>,
 ) -> Result<Components, GraphWalkError> {
     if let Some((node, channel, value)) = counts.find(|v| !(v >= 0.0 && v.is_finite())) {
-        return Err(GraphWalkError::NegativeValue { node, channel, value });
+        return Err(GraphWalkError::NoComponents { node, channel, value });
     }
     let all = vec![true; counts.n_channels];
     let keys = channel_keys(counts);

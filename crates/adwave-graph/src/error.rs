@@ -154,6 +154,18 @@ pub enum GraphWalkError {
         /// The value.
         value: f64,
     },
+    /// A negative or infinite value where principal components are taken.
+    #[error(
+        "value {channel} of node {node} is {value:?}, and a graph is made of finite values of at least 0; give raw counts, or a graph"
+    )]
+    NoComponents {
+        /// The node.
+        node: usize,
+        /// The channel.
+        channel: usize,
+        /// The value.
+        value: f64,
+    },
     /// The number of steps is out of range.
     #[error("the number of steps must be between 0 and {most}, got {steps:?}")]
     BadSteps {

@@ -7,8 +7,8 @@
 //! share of a channel, and the loss of a graph and a time is its mean over the channels: each of them counts the same.
 //!
 //! Nothing is assumed about noise but that it is independent between channels and cells, so the loss holds for
-//! molecules that are counted and for dropout alike; molecular cross-validation ([`cross_validate`](crate::cross_validate))
-//! takes a zero of a dropout for the truth, as it is one in both parts.
+//! molecules that are counted and for dropout alike. Molecular cross-validation
+//! ([`cross_validate`](crate::cross_validate)) takes a zero of a dropout for the truth, as it is one in both parts.
 //!
 //! The best time depends on how much of a channel is noise. Held-back channels are put into classes by their
 //! explained share at the common time, each class has the time of its least loss, and all channels take the times of
@@ -127,8 +127,8 @@ pub struct GraphChoice {
 /// channels that vary.
 ///
 /// Equal cells and equal channels are not told apart, and the order of cells and channels does not matter. Graphs are
-/// compared on at most [`most_cells`](GraphChoiceParams::most_cells); O(cells²·components + cells·neighbors·channels·steps)
-/// for each of 16.
+/// compared on at most [`most_cells`](GraphChoiceParams::most_cells);
+/// O(cells²·components + cells·neighbors·channels·steps) for each of 16.
 ///
 /// # Errors
 /// [`GraphWalkError`] if a value is negative or not finite, the library size is out of range, or the call is cancelled.
@@ -138,7 +138,7 @@ pub fn choose_graph(
     progress: Progress<'_>,
 ) -> Result<Option<GraphChoice>, GraphWalkError> {
     if let Some((node, channel, value)) = counts.find(|v| !(v >= 0.0 && v.is_finite())) {
-        return Err(GraphWalkError::NegativeValue { node, channel, value });
+        return Err(GraphWalkError::NoComponents { node, channel, value });
     }
     let sample = Sample::new(counts, &params);
     let held_back = sample.held_back(&params);
@@ -168,10 +168,10 @@ pub fn choose_graph(
     let best =
         compared.iter().min_by(|a, b| a.loss.total_cmp(&b.loss)).copied().expect("a graph was compared");
     let powers = search.graph((best.scaling, best.n_components, best.n_neighbors))?;
-    let curves = values.curves(&powers, MOST_STEPS[1], None, Progress::none())?;
+    let curves = values.curves(&powers, MOST_STEPS[1], None, progress.quiet())?;
     let (steps, losses) = (curves.best_steps(), curves.losses());
     let classes = TimeClasses::new(&curves, steps);
-    let shares = explained_shares(&powers, &sample.matrix(), transformation, steps)?;
+    let shares = explained_shares(&powers, &sample.matrix(), transformation, steps, progress.quiet())?;
     let mut by_channel = vec![steps; counts.n_channels];
     for (place, share) in shares.iter().enumerate() {
         if let Some(share) = share {
@@ -184,8 +184,8 @@ pub fn choose_graph(
     Ok(Some(GraphChoice { best, steps: by_channel, losses, compared, n_cells, n_held_back }))
 }
 
-/// The walk of a chosen graph on all cells: to their nearest neighbors in principal components of all channels, with the
-/// adaptive kernel and loops of weight 1.
+/// The walk of a chosen graph on all cells: to their nearest neighbors in principal components of all channels, with
+/// the adaptive kernel and loops of weight 1.
 ///
 /// # Errors
 /// As for [`principal_components`].
@@ -310,7 +310,7 @@ impl<'a> Search<'a> {
         for &scaling in ComponentScaling::ALL {
             let rows = CenteredRows::new(&sample.matrix(), &is_kept, scaling);
             let most = COMPONENTS[COMPONENTS.len() - 1].min(rows.most_components());
-            let found = rows.components(most, &sample.keys, Progress::none())?;
+            let found = rows.components(most, &sample.keys, progress.quiet())?;
             let mut numbers: Vec<usize> = COMPONENTS.iter().map(|&k| k.min(most)).collect();
             numbers.dedup();
             components.push((scaling, numbers.into_iter().map(|k| (k, found.first(k))).collect()));
@@ -331,15 +331,14 @@ impl<'a> Search<'a> {
             self.components.iter().find(|(s, _)| *s == scaling).expect("a scaling of the search");
         let (_, values) =
             of_scaling.1.iter().find(|(k, _)| *k == n_components).expect("components of the search");
-        self.progress.check()?;
-        neighbor_walk(values, n_components, n_neighbors, Progress::none())
+        neighbor_walk(values, n_components, n_neighbors, self.progress.quiet())
     }
 
     /// Adds a graph at its best time.
     fn compare(&mut self, values: &HeldBack, key: GraphKey) -> Result<(), GraphWalkError> {
         let powers = self.graph(key)?;
         let patience = Some(3);
-        let curves = values.curves(&powers, MOST_STEPS[0], patience, Progress::none())?;
+        let curves = values.curves(&powers, MOST_STEPS[0], patience, self.progress.quiet())?;
         let steps = curves.best_steps();
         let loss = curves.losses()[steps as usize - 1];
         let (scaling, n_components, n_neighbors) = key;

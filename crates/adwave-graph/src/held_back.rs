@@ -132,11 +132,12 @@ pub(crate) fn explained_shares(
     counts: &CountMatrix<'_>,
     transformation: Transformation,
     steps: u32,
+    progress: Progress<'_>,
 ) -> Result<Vec<Option<f64>>, GraphWalkError> {
     let mut returns = ReturnProbabilities::new(powers);
     let mut factors = Vec::new();
     for _ in 0..steps {
-        factors = returns.next(powers, Progress::none())?;
+        factors = returns.next(powers, progress)?;
     }
     let mut found = Vec::with_capacity(counts.n_channels);
     for range in blocks(counts.n_channels) {
@@ -147,7 +148,7 @@ pub(crate) fn explained_shares(
         };
         let (mut now, given) = (powers.load(width, None, &fill), powers.load(width, None, &fill));
         for _ in 0..steps {
-            powers.step(&mut now, Progress::none())?;
+            powers.step(&mut now, progress)?;
         }
         let sums = squared_differences(&now, &given, &factors);
         let share = |(sum, spread): (&f64, &f64)| (*spread > 0.0).then(|| 1.0 - sum / spread);
@@ -300,7 +301,8 @@ mod tests {
             error += (values[x] - sum / weight).powi(2);
         }
         assert!((curves.unexplained(1)[0] - error / spread).abs() < 1e-10);
-        let shares = explained_shares(&powers, &counts, Transformation::default(), 1).unwrap();
+        let shares =
+            explained_shares(&powers, &counts, Transformation::default(), 1, Progress::none()).unwrap();
         assert!((shares[0].unwrap() - (1.0 - error / spread)).abs() < 1e-10);
     }
 }

@@ -127,7 +127,7 @@ pub fn impute_by_channel_into(
             channels.extend(places.iter().map(|&i| input.channels[i]));
             values.resize(powers.n_nodes() * places.len(), 0.0);
             let part = ImputationInput { channels: &channels, ..input };
-            impute_into(powers, part, f64::from(steps[places[0]]), &mut values, Progress::none())?;
+            impute_into(powers, part, f64::from(steps[places[0]]), &mut values, progress.quiet())?;
             out.par_chunks_mut(n_channels).zip(values.par_chunks(places.len())).for_each(|(out, row)| {
                 places.iter().zip(row).for_each(|(&i, v)| out[i] = *v);
             });

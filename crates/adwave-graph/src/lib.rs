@@ -7,7 +7,7 @@
 //! | a walk from weights, or a walk as given | [`WalkMatrix`], [`WalkOptions`] |
 //! | powers of the walk for many channels, and their adjoint | [`WalkPowers`] |
 //! | imputation of counts, and its time by cross-validation | [`impute_into`], [`cross_validate`] |
-//! | principal components of counts, and the choice of a graph for imputation | [`principal_components`], [`choose_graph`] |
+//! | principal components of counts, choice of a graph for imputation | [`principal_components`], [`choose_graph`] |
 //! | geometric scattering, and moments of its coefficients | [`scatter`], [`pool`] |
 //!
 //! With the feature `anndata`, an `.h5ad` file is read and edited by [`AnnDataFile`] and [`write_replaced`].

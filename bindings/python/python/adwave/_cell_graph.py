@@ -26,8 +26,8 @@ class ComparedGraph:
     (6, True)
     """
 
-    #: ``'shares'``: components of the square roots of shares; ``'equal-genes'``: of logarithms, each gene divided by its
-    #: standard deviation.
+    #: ``'shares'``: components of the square roots of shares; ``'equal-genes'``: of logarithms, each gene divided by
+    #: its standard deviation.
     scaling: str
     #: Number of principal components.
     components: int
@@ -49,7 +49,7 @@ class GraphChoice:
     >>> place = np.linspace(0, 6, 120)[:, None] + np.linspace(0, 6, 40)
     >>> choice = aw.impute(np.random.default_rng(0).poisson(3 + 2 * np.sin(place))).choice
     >>> len(choice.compared), choice.n_cells, choice.n_held_back
-    (16, 120, 8)
+    (14, 120, 8)
     """
 
     #: The chosen graph and its common time.

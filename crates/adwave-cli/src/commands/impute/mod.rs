@@ -37,12 +37,14 @@ const PRINTED_TIMES: usize = 12;
 #[command(after_help = "\
 COUNTS is a matrix of cells × genes: .npy (numpy.save), a sparse .mtx, or the X or a layer of an .h5ad (AnnData).
 The result is .npy, cells × genes, 64-bit floats; of an .h5ad also a copy of it, .h5ad, with the result as X.
-Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca. Without these, and of
-other files, the graph is chosen: some genes are held back, and graphs of several numbers of principal components and neighbors are
-compared by how well other cells predict these genes. Genes that are mostly noise take more steps than others.
+Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca.
+Without these, and of other files, the graph is chosen: some genes are held back, and graphs of several numbers of
+principal components and neighbors are compared by how well other cells predict these genes. Genes that are mostly
+noise take more steps than others.
 
-The time is a number of steps of the walk. On a given graph 'auto' chooses it by molecular cross-validation: a tenth of the molecules
-is held back, the others are diffused, and the time whose result predicts the held-back molecules best is taken. This needs raw counts.
+The time is a number of steps of the walk. On a given graph 'auto' chooses it by molecular cross-validation: a tenth
+of the molecules is held back, the others are diffused, and the time whose result predicts the held-back molecules
+best is taken. This needs raw counts.
 
 Examples:
   adwave impute counts.mtx -o imputed.npy
