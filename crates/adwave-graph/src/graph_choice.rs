@@ -140,7 +140,7 @@ pub fn choose_graph(
     if let Some((node, channel, value)) = counts.find(|v| !(v >= 0.0 && v.is_finite())) {
         return Err(GraphWalkError::NoComponents { node, channel, value });
     }
-    let sample = Sample::new(counts, &params);
+    let sample = CellSample::new(counts, &params);
     let held_back = sample.held_back(&params);
     if sample.n_cells() < FEWEST[0] || held_back.is_empty() {
         return Ok(None);
@@ -149,7 +149,7 @@ pub fn choose_graph(
     let library_size = params.transformation.library_size.or(Some(counts.median_row_sum()));
     let transformation = Transformation { library_size, ..params.transformation };
     let values = HeldBack::new(&sample.matrix(), &held_back, transformation)?;
-    let mut search = Search::new(&sample, &held_back, progress)?;
+    let mut search = GraphSearch::new(&sample, &held_back, progress)?;
     let n_graphs = search.components.iter().map(|(_, list)| list.len()).sum::<usize>();
     let n_all = (n_graphs + FINALISTS * OTHER_NEIGHBORS.len() + 1) as u64;
     for (scaling, n_components) in search.choices() {
@@ -212,7 +212,7 @@ fn neighbor_walk(
 }
 
 /// Some cells and all channels, in an order that depends on their content alone.
-struct Sample {
+struct CellSample {
     counts: CompressedRows<f64>,
     /// Channel of the matrix at each place.
     channels: Vec<usize>,
@@ -220,7 +220,7 @@ struct Sample {
     keys: Vec<u64>,
 }
 
-impl Sample {
+impl CellSample {
     fn new(counts: &CountMatrix<'_>, params: &GraphChoiceParams) -> Self {
         let (row_keys, channel_keys) = row_and_channel_keys(counts);
         let mut seen: HashMap<u64, u64> = HashMap::new();
@@ -293,15 +293,15 @@ type GraphKey = (ComponentScaling, usize, usize);
 type Coordinates = (usize, Vec<f64>);
 
 /// Comparison of graphs.
-struct Search<'a> {
+struct GraphSearch<'a> {
     /// Coordinates by scaling, for each number of components.
     components: Vec<(ComponentScaling, Vec<Coordinates>)>,
     compared: Vec<ComparedGraph>,
     progress: Progress<'a>,
 }
 
-impl<'a> Search<'a> {
-    fn new(sample: &Sample, held_back: &[usize], progress: Progress<'a>) -> Result<Self, GraphWalkError> {
+impl<'a> GraphSearch<'a> {
+    fn new(sample: &CellSample, held_back: &[usize], progress: Progress<'a>) -> Result<Self, GraphWalkError> {
         let mut is_kept = vec![true; sample.channels.len()];
         for &c in held_back {
             is_kept[c] = false;
