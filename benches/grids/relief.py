@@ -134,14 +134,14 @@ def main():
         lines += ["", "| | adwave | xDEM | Whitebox |", "| --- | --: | --: | --: |"]
         flat = border(peers)
         lines.append(
-            "| flat land with a border and a lake, largest relief | "
+            "| largest relief of flat land with a lake without data | "
             + " | ".join(f"{x:.2g} m" for _, x, _ in flat)
             + " |"
         )
-        lines.append("| of its places without a result | " + " | ".join(f"{100 * x:.0f} %" for *_, x in flat) + " |")
+        lines.append("| places without a result there | " + " | ".join(f"{100 * x:.0f} %" for *_, x in flat) + " |")
         north, east = oblong(peers)
         lines.append(
-            "| ridges every 1500 m along y and along x, pixels of 10 m × 30 m | "
+            "| ridges every 1500 m along y, along x; pixels of 10 m × 30 m | "
             + " | ".join(f"{a:.3f}, {b:.3f}" for a, b in zip(north, east, strict=True))
             + " |"
         )
