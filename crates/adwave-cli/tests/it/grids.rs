@@ -94,7 +94,8 @@ fn a_series_that_does_not_fit_its_type_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("series.nii");
     let mut file = ShapeFile::from_grid(GridLayout::new(&[32; 3], &[2.0; 3])).unwrap();
-    let values = (0..(32 * 32 * 32) * 130).map(|k: usize| if k % 7 == 0 { 255 } else { 0 }).collect();
+    let values =
+        (0..(32 * 32 * 32) * 130).map(|k: usize| if k.is_multiple_of(7) { 255 } else { 0 }).collect();
     file.add_vertex_field(Field::new(GRID_VALUES, 130, FieldValues::U8(values))).unwrap();
     write_path(&file, &path, None).unwrap();
     let error = refused(folder.path(), "filter series.nii -o out.nii --fwhm 5 --gains 3");

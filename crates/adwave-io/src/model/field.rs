@@ -189,7 +189,9 @@ impl FieldValues {
             if n == 1 {
                 out.extend(starts.map(|start| values[start] as f64));
             } else {
-                starts.for_each(|start| out.extend(values[start..start + n].iter().map(|x| *x as f64)));
+                for start in starts {
+                    out.extend(values[start..start + n].iter().map(|x| *x as f64));
+                }
             }
         });
     }

@@ -162,7 +162,9 @@ impl GridNumbers {
         let mut numbers = self.kind.empty();
         let mut values = with_values!(&mut numbers, v => numbers_to_f64(v, bytes, self.order));
         if self.is_scaled() {
-            values.iter_mut().for_each(|x| *x = self.value(*x));
+            for x in &mut values {
+                *x = self.value(*x);
+            }
         }
         values
     }

@@ -37,7 +37,7 @@ pub(super) enum Columns {
     /// The values of the image or volume itself.
     OfGrid,
     /// Volumes in a file, which go into another one a volume at a time.
-    Volumes(VolumeSeries),
+    Volumes(Box<VolumeSeries>),
 }
 
 impl Columns {

@@ -124,7 +124,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         region_in_shape(&layer.region, &input)?;
     }
     let columns = match series {
-        Some(series) => Some(Columns::Volumes(series)),
+        Some(series) => Some(Columns::Volumes(Box::new(series))),
         None => columns_of_signal(args, &input, &signal_name, result),
     };
     let mut signal = match &columns {
