@@ -82,7 +82,6 @@ pub(super) fn compute_by_columns(
         note_outsiders(decomposer.geometry(), &job.input, global);
         let (n_rows, n_channels) = (job.input.shape.n_vertices(), columns.n_channels(&job.input.file));
         if let Columns::Volumes(series) = columns {
-            note_rounding(&job.input, &job.signal_name, global);
             return global.files.write_with(job.result.path(), |path| {
                 filter_volumes(job, series, &decomposer, path, global, progress)
             });
@@ -200,6 +199,7 @@ fn filter_volumes(
             }
         }
     }
+    note_rounding(&job.input, &job.signal_name, global);
     writer.finish(progress.quiet()).map_err(failed)?;
     progress.step(n as u64, n as u64).map_err(|_| CliError::Cancelled)?;
     let (decomposer, edited) = (decomposer.clone(), EditedSignal::Written);
