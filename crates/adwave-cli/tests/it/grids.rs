@@ -98,7 +98,8 @@ fn a_series_that_does_not_fit_its_type_leaves_no_file() {
         (0..(32 * 32 * 32) * 130).map(|k: usize| if k.is_multiple_of(7) { 255 } else { 0 }).collect();
     file.add_vertex_field(Field::new(GRID_VALUES, 130, FieldValues::U8(values))).unwrap();
     write_path(&file, &path, None).unwrap();
-    let error = refused(folder.path(), "filter series.nii -o out.nii --fwhm 5 --gains 3");
+    let line = "filter series.nii -o out.nii --fwhm 5 --gains 3 --quiet";
+    let error = refused(folder.path(), line);
     assert!(error.contains("u8") && error.contains("channel"), "{error}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     let report = json(folder.path(), "filter series.nii -o out.nii --fwhm 5 --gains 0");

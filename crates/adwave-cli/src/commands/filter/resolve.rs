@@ -108,11 +108,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let layers = layers(args, recipe, global)?;
     let levels = levels(args, recipe);
     let operator = operator(args, recipe)?;
-    let series = series_of_input(args, result, global)?;
-    let input = match &series {
-        Some(series) => load_first_volume(&args.shape, series, global)?,
-        None => load_shape(&args.shape, global)?,
-    };
+    let (input, series) = load_input(args, result, global)?;
     let asked = args.signal.asked_name().or(recipe.map(|recipe| recipe.field.as_str()));
     let signal_name = asked.unwrap_or_else(|| args.signal.name_on(&input.file)).to_owned();
     let input = input.resolve_cells(&signal_name, global)?;
@@ -123,10 +119,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;
     }
-    let columns = match series {
-        Some(series) => Some(Columns::Volumes(Box::new(series))),
-        None => columns_of_signal(args, &input, &signal_name, result),
-    };
+    let columns = series.or_else(|| columns_of_signal(args, &input, &signal_name, result));
     let mut signal = match &columns {
         Some(columns) => {
             global.inputs.add_signal(&signal_name, None);
@@ -249,6 +242,21 @@ const OPTIONS_OF_VOLUMES: [&str; 9] = [
     "--accuracy",
     "--local-fit",
 ];
+
+/// The shape; of a series of volumes that are filtered one by one, the first and the source of all.
+fn load_input(
+    args: &FilterArgs,
+    result: ResultFile<'_>,
+    global: &Global<'_>,
+) -> Result<(Input, Option<Columns>), CliError> {
+    match series_of_input(args, result, global)? {
+        Some(series) => {
+            let input = load_first_volume(&args.shape, &series, global)?;
+            Ok((input, Some(Columns::Volumes(Box::new(series)))))
+        }
+        None => Ok((load_shape(&args.shape, global)?, None)),
+    }
+}
 
 /// The series of volumes that the shape is, if it is large, each volume is filtered by itself, and all values are known.
 fn series_of_input(
