@@ -52,7 +52,7 @@ fn a_filter_of_a_volume_is_heat_of_the_width_that_is_asked_for() {
     assert!((sum(&found) - sum(&input)).abs() < 1e-5 * sum(&input).abs());
 }
 
-/// Writes 130 volumes of 32³ voxels as 32-bit floats, so many that they are filtered one by one.
+/// Writes 130 volumes of 32³ voxels as 32-bit floats: enough values that the volumes are filtered one by one.
 fn write_series(path: &Path, change: impl Fn(&mut [f32])) {
     let mut file = ShapeFile::from_grid(GridLayout::new(&[32; 3], &[2.0; 3])).unwrap();
     let mut values: Vec<f32> = (0..(32 * 32 * 32) * 130).map(|k| 300.0 + rough(k % 9973)).collect();

@@ -28,7 +28,7 @@ interface Item {
   moved: ((by: -1 | 1) => Doc | null) | null;
 }
 
-/** What is common to clones and handles, which are entries of lists. */
+/** Members that clones and handles share, which are entries of lists. */
 function entry<T extends { name?: string; on?: boolean }>(
   list: readonly T[],
   k: number,

@@ -1,4 +1,4 @@
-/** What the gains of a layer are: a preset, and how many bands were changed since. */
+/** Summary of the gains of a layer: its preset, and the number of bands that were changed since. */
 
 import type { Shape } from './protocol';
 import type { DocLayer } from './state';

@@ -59,7 +59,8 @@ impl Columns {
     ) -> Result<Vec<f64>, CliError> {
         match self {
             Self::Array(columns) => Ok(columns.read(channels, progress)?),
-            Self::OfGrid | Self::Volumes(_) => {
+            Self::Volumes(_) => unreachable!("volumes are filtered one by one"),
+            Self::OfGrid => {
                 let field = file.field(GRID_VALUES).expect("an image or a volume has values");
                 let mut values = zeros(field.len() * channels.len());
                 values.par_chunks_exact_mut(channels.len()).enumerate().for_each(|(i, row)| {

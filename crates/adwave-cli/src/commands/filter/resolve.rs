@@ -274,7 +274,7 @@ fn series_of_input(
     if series.n_volumes().saturating_mul(series.n_places()) < LARGE_SERIES {
         return Ok(None);
     }
-    // What is said about unknown values takes them all.
+    // Places without values are those of all volumes together.
     let is_finite = series.is_finite(global.progress()).map_err(CliError::input)?;
     Ok(is_finite.then_some(series))
 }

@@ -59,7 +59,7 @@ pub(super) fn choose(
     Ok(ChosenGraph { walk: ResolvedWalk { powers, text, json }, choice })
 }
 
-/// What was compared, for people.
+/// Table of the graphs that were compared, and the steps of the genes.
 pub(super) fn text(choice: &GraphChoice) -> String {
     let genes = |held: usize| count(held, "gene", "genes");
     let mut text = format!(
@@ -99,7 +99,7 @@ fn steps_text(steps: &[u32]) -> String {
     texts.join(", ")
 }
 
-/// What was compared, for programs.
+/// JSON of the graphs that were compared, and of the steps of each gene.
 pub(super) fn json(choice: &GraphChoice) -> Value {
     let graph = |graph: &ComparedGraph| {
         json!({
