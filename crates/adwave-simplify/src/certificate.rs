@@ -13,7 +13,6 @@ use crate::connectivity::{Collapse, Connectivity};
 use crate::geometry::{Point, nearest_weights, squared_distance};
 use crate::proof::{Goal, bound_distance};
 use crate::surface::{TriangleList, TriangleSearch, TriangleSurface};
-use crate::wedges::Wedges;
 
 /// Largest number of pieces into which a triangle is divided to find a cover.
 const MAX_COVER_PIECES: usize = 96;
@@ -22,12 +21,18 @@ const MAX_COVER_PIECES: usize = 96;
 /// cover.
 const MIN_FACE_PIECES: usize = 256;
 
-/// Original surface, and the attributes that the proof covers.
+/// Original surface or a part of it, and the attributes that the proof covers.
 pub(crate) struct Original<'a> {
-    pub(crate) wedges: &'a Wedges,
-    pub(crate) surface: &'a TriangleSurface,
-    /// Chart of each triangle of the original.
+    pub(crate) points: &'a [Point],
+    /// Triangles over the points.
+    pub(crate) triangles: &'a [[u32; 3]],
+    /// Index of each triangle in the whole original, if the triangles are a part of it.
+    pub(crate) names: Option<&'a [u32]>,
+    /// Chart of each triangle, and of each face.
     pub(crate) charts: &'a [u32],
+    pub(crate) face_charts: &'a [u32],
+    /// The whole original.
+    pub(crate) surface: &'a TriangleSurface,
     pub(crate) colors: Option<&'a WedgeColors>,
 }
 
@@ -71,13 +76,26 @@ const MAX_NEW_FACES: usize = 64;
 const NONE: u32 = u32::MAX;
 
 /// Faces that cover a triangle, usually one.
-struct Cover {
+#[derive(Clone)]
+pub(crate) struct Cover {
     first: u32,
     others: Vec<u32>,
 }
 
 impl Cover {
-    fn faces(&self) -> impl Iterator<Item = u32> + '_ {
+    /// A cover by one face.
+    pub(crate) fn by(face: u32) -> Self {
+        Self { first: face, others: Vec::new() }
+    }
+
+    /// Gives the faces other numbers.
+    pub(crate) fn renumbered(mut self, numbers: &[u32]) -> Self {
+        self.first = numbers[self.first as usize];
+        self.others.iter_mut().for_each(|face| *face = numbers[*face as usize]);
+        self
+    }
+
+    pub(crate) fn faces(&self) -> impl Iterator<Item = u32> + '_ {
         std::iter::once(self.first).chain(self.others.iter().copied())
     }
 }
@@ -91,22 +109,29 @@ struct NewCovers {
 }
 
 impl<'a> Certificates<'a> {
-    pub(crate) fn new(original: Original<'a>, limit: f64) -> Self {
-        let n = original.wedges.triangles.len();
+    /// Starts with the covers of all triangles of the original.
+    pub(crate) fn new(original: Original<'a>, limit: f64, cover: Vec<Cover>) -> Self {
+        let (n, n_faces) = (original.triangles.len(), original.face_charts.len());
+        let mut covered = vec![Vec::new(); n_faces];
+        for (t, cover) in (0..).zip(&cover) {
+            for face in cover.faces() {
+                covered[face as usize].push(t);
+            }
+        }
         Self {
             limit,
             squared_limit: limit * limit,
-            cover: (0..n as u32).map(|t| Cover { first: t, others: Vec::new() }).collect(),
-            covered: (0..n as u32).map(|t| vec![t]).collect(),
+            cover,
+            covered,
             seen: vec![0; n],
-            in_star: vec![0; n],
+            in_star: vec![0; n_faces],
             test: 0,
             new_covers: NewCovers::default(),
             new_faces: TriangleList::default(),
             boxes: Vec::new(),
-            near_faces: vec![NearFaces::default(); original.wedges.points.len()],
+            near_faces: vec![NearFaces::default(); original.points.len()],
             other_faces: TriangleList::default(),
-            witnesses: vec![NONE; original.wedges.points.len()],
+            witnesses: vec![NONE; original.points.len()],
             original,
         }
     }
@@ -187,7 +212,7 @@ impl<'a> Certificates<'a> {
         if known.test == self.test {
             return known.faces;
         }
-        let p = self.original.wedges.points[wedge as usize];
+        let p = self.original.points[wedge as usize];
         let mut faces = 0;
         let all = self.new_faces.corners.iter().zip(&self.boxes).take(MAX_NEW_FACES);
         for (k, (corners, [low, high])) in all.enumerate() {
@@ -201,12 +226,12 @@ impl<'a> Certificates<'a> {
     }
 
     fn is_in_chart(&self, face: u32, t: u32) -> bool {
-        self.original.charts[face as usize] == self.original.charts[t as usize]
+        self.original.face_charts[face as usize] == self.original.charts[t as usize]
     }
 
     /// Finds a cover of a triangle and appends its faces to the new covers; `false` if there is none.
     fn find_cover(&mut self, t: u32, connectivity: &Connectivity) -> bool {
-        let near = self.original.wedges.triangles[t as usize].map(|wedge| self.faces_near(wedge));
+        let near = self.original.triangles[t as usize].map(|wedge| self.faces_near(wedge));
         let has_few = self.new_faces.ids.len() <= MAX_NEW_FACES;
         if has_few && near.contains(&0) && self.cover[t as usize].others.is_empty() {
             return false;
@@ -231,7 +256,8 @@ impl<'a> Certificates<'a> {
                 common &= !(1 << k);
             }
         }
-        let triangle = *self.original.surface.corners(t);
+        let corners = self.original.triangles[t as usize];
+        let triangle = corners.map(|wedge| self.original.points[wedge as usize]);
         self.find_cover_by_pieces(t, &triangle, connectivity)
     }
 
@@ -271,8 +297,8 @@ impl<'a> Certificates<'a> {
     /// True if the nearest faces keep the colors at the corners of a triangle.
     fn keeps_colors(&self, t: u32, faces: &TriangleList) -> bool {
         let Some(colors) = self.original.colors else { return true };
-        self.original.wedges.triangles[t as usize].iter().all(|&wedge| {
-            let p = self.original.wedges.points[wedge as usize];
+        self.original.triangles[t as usize].iter().all(|&wedge| {
+            let p = self.original.points[wedge as usize];
             let near = faces.nearest(p).1;
             let weights = nearest_weights(p, faces.corners(near));
             colors.is_kept(wedge, faces.wedges[near as usize], weights, self.limit)
@@ -283,11 +309,17 @@ impl<'a> Certificates<'a> {
     fn are_near_original(&self, n_moved: usize) -> bool {
         let max_pieces = MIN_FACE_PIECES + 64 * self.new_covers.triangles.len();
         let goal = Goal::decision(self.limit, max_pieces);
-        let hints = self.new_covers.triangles.first().map(|&(t, _)| t);
+        let name = |t: u32| self.original.names.map_or(t, |names| names[t as usize]);
+        let hints = self.new_covers.triangles.first().map(|&(t, _)| name(t));
         self.new_faces.corners[..n_moved].iter().all(|&corners| {
             let (surface, hints) = (self.original.surface, hints.as_slice());
             bound_distance(corners, hints, surface, &goal, &mut |_| {}).upper <= self.limit
         })
+    }
+
+    /// The covers of all triangles of the original.
+    pub(crate) fn into_covers(self) -> Vec<Cover> {
+        self.cover
     }
 
     /// Stores the covers found by the last test, whose collapse is carried out.

@@ -10,7 +10,7 @@
 
 use crate::certificate::Certificates;
 use crate::colors::WedgeColors;
-use crate::connectivity::{AT_A_TIME, Collapse, Connectivity, Turning};
+use crate::connectivity::{Collapse, Connectivity, Turning};
 use crate::geometry::{dot, length, minus, nearest_weights, squared_distance};
 use crate::quadric::Quadric;
 use adwave::{Cancelled, Progress};
@@ -43,6 +43,11 @@ fn entry(cost: f64, vertex: u32) -> Reverse<u64> {
     Reverse(u64::from((cost as f32).to_bits()) << 32 | u64::from(vertex))
 }
 
+/// Cost of an entry of the heap.
+fn cost_of(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
 /// Number of changes around a vertex after which a failed collapse is tried again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Retry {
@@ -53,9 +58,9 @@ struct Retry {
 /// State of the collapses of a mesh.
 pub(crate) struct Collapser<'a> {
     pub(crate) connectivity: Connectivity,
-    quadrics: Vec<Quadric>,
+    pub(crate) quadrics: Vec<Quadric>,
     colors: Option<&'a WedgeColors>,
-    certificates: Option<Certificates<'a>>,
+    pub(crate) certificates: Option<Certificates<'a>>,
     turning: Turning,
     /// Number of changes of the faces around each vertex.
     stamps: Vec<u32>,
@@ -71,23 +76,15 @@ pub(crate) struct Collapser<'a> {
 }
 
 impl<'a> Collapser<'a> {
+    /// Collapses of a mesh, whose positions have the given quadrics.
     pub(crate) fn new(
         connectivity: Connectivity,
+        quadrics: Vec<Quadric>,
         colors: Option<&'a WedgeColors>,
-        importance: Option<&[f64]>,
         certificates: Option<Certificates<'a>>,
-        progress: Progress<'_>,
-    ) -> Result<Self, Cancelled> {
+    ) -> Self {
         let n = connectivity.n_positions();
-        let quadric = |u: u32| {
-            if (u as usize).is_multiple_of(AT_A_TIME) {
-                progress.check()?;
-            }
-            let quadric = connectivity.quadric(u);
-            Ok(importance.map_or(quadric, |of| quadric.multiply(of[u as usize])))
-        };
-        let quadrics = (0..n as u32).into_par_iter().map(quadric).collect::<Result<_, Cancelled>>()?;
-        Ok(Self {
+        Self {
             connectivity,
             quadrics,
             colors,
@@ -101,25 +98,38 @@ impl<'a> Collapser<'a> {
             plan: Collapse::default(),
             neighbors: Vec::new(),
             changed: Vec::new(),
-        })
+        }
     }
 
-    /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible, and
-    /// returns the number of remaining vertices. `vertex` has the vertex of each wedge. O(n log n) for vertices of
-    /// bounded degree.
+    /// Lists the collapses of all positions that turn faces by at most the given angle. O(positions).
+    pub(crate) fn start(&mut self, turning: Turning, progress: Progress<'_>) -> Result<(), Cancelled> {
+        self.turning = turning;
+        self.fill_heap(progress)
+    }
+
+    /// Costs of the collapses that are listed, in any order. Some of them may have changed since.
+    pub(crate) fn costs(&self) -> impl Iterator<Item = f32> + '_ {
+        self.heap.iter().map(|&Reverse(entry)| cost_of(entry))
+    }
+
+    /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain, no collapse is possible, or each
+    /// costs more than `highest`, and returns the number of remaining vertices. `vertex` has the vertex of each wedge.
+    /// O(n log n) for vertices of bounded degree.
     pub(crate) fn run(
         &mut self,
         n: usize,
         n_left: usize,
+        highest: f32,
         vertex: &[u32],
-        turning: Turning,
         progress: Progress<'_>,
     ) -> Result<usize, Cancelled> {
-        self.turning = turning;
-        self.fill_heap(progress)?;
         let (mut remaining, mut n_tries) = (n, 0_u64);
         while remaining > n_left {
             let Some(Reverse(first)) = self.heap.pop() else { break };
+            if cost_of(first) > highest {
+                self.heap.push(Reverse(first));
+                break;
+            }
             let u = first as u32;
             if self.candidates[u as usize].stamp != self.stamps[u as usize] {
                 let Some(best) = self.best_candidate(u) else {

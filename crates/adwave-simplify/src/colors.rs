@@ -41,6 +41,15 @@ impl WedgeColors {
         colors
     }
 
+    /// The values of some wedges, in their order.
+    pub(crate) fn select(&self, wedges: &[u32]) -> Self {
+        Self {
+            n_channels: self.n_channels,
+            values: wedges.iter().flat_map(|&wedge| self.row(wedge)).copied().collect(),
+            slope: wedges.iter().map(|&wedge| self.slope[wedge as usize]).collect(),
+        }
+    }
+
     fn row(&self, wedge: u32) -> &[f64] {
         &self.values[wedge as usize * self.n_channels..][..self.n_channels]
     }

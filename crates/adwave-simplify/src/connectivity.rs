@@ -7,7 +7,7 @@ use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Marker of a removed face.
-const REMOVED: u32 = u32::MAX;
+pub(crate) const REMOVED: u32 = u32::MAX;
 
 /// Smallest cosine of the angle by which a collapse may turn a face, for [`Turning::Limited`].
 const MIN_COSINE: f64 = 0.25;
@@ -25,7 +25,7 @@ const SPARE_FACES: usize = 4;
 const FEW_FACES: usize = 32;
 
 /// Number of faces or positions between two looks at whether the work is cancelled.
-pub(crate) const AT_A_TIME: usize = 1 << 14;
+const AT_A_TIME: usize = 1 << 14;
 
 /// Limit of the angle by which a collapse may turn faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,8 @@ pub(crate) struct Connectivity {
     /// Coordinates of each position.
     points: Vec<Point>,
     kinds: Vec<VertexKind>,
+    /// True if some positions lie at the rim.
+    has_rim: bool,
     /// Face with the same corners in the opposite orientation for each face, or `REMOVED`; it is not among the faces
     /// around positions.
     back: Vec<u32>,
@@ -63,6 +65,8 @@ pub(crate) enum VertexKind {
     Curve,
     /// Lies at an end or a junction of such curves, and is kept.
     Fixed,
+    /// Has faces outside the part of the mesh that is at hand: it is kept, and nothing collapses to it.
+    Rim,
 }
 
 /// Collapse that keeps the topology: the faces that vanish, and those that move.
@@ -80,16 +84,21 @@ pub(crate) struct Collapse {
 }
 
 impl Connectivity {
-    pub(crate) fn new(wedges: &Wedges, progress: Progress<'_>) -> Result<Self, Cancelled> {
+    /// The connectivity of `faces` over wedges, some of which may be `REMOVED`. O(faces log faces).
+    pub(crate) fn new(
+        wedges: &Wedges,
+        mut faces: Vec<[u32; 3]>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let position = wedges.position.clone();
-        let n = position.iter().map(|&p| p as usize + 1).max().unwrap_or(0);
+        let n = wedges.n_positions();
         let mut points = vec![[0.0; 3]; n];
         for (wedge, &p) in position.iter().enumerate() {
             points[p as usize] = wedges.points[wedge];
         }
-        let (mut faces, mut back) = (wedges.triangles.clone(), vec![REMOVED; wedges.triangles.len()]);
+        let mut back = vec![REMOVED; faces.len()];
         progress.check()?;
-        for [front, other] in wedges.twins() {
+        for [front, other] in twins(&faces) {
             back[front as usize] = other;
             faces[other as usize] = [REMOVED; 3];
         }
@@ -112,7 +121,8 @@ impl Connectivity {
                 around[x as usize].push(t as u32);
             }
         }
-        let mut connectivity = Self { faces, at, around, position, points, kinds: Vec::new(), back };
+        let (kinds, has_rim) = (Vec::new(), false);
+        let mut connectivity = Self { faces, at, around, position, points, kinds, has_rim, back };
         let kind = |u: u32| {
             if (u as usize).is_multiple_of(AT_A_TIME) {
                 progress.check()?;
@@ -215,6 +225,14 @@ impl Connectivity {
         self.kinds[u as usize]
     }
 
+    /// Marks positions as having faces that are not at hand.
+    pub(crate) fn set_rim(&mut self, positions: impl Iterator<Item = u32>) {
+        for u in positions {
+            self.kinds[u as usize] = VertexKind::Rim;
+            self.has_rim = true;
+        }
+    }
+
     /// Fixes the vertices on borders, so that they are kept.
     pub(crate) fn fix_borders(&mut self) {
         let mut neighbors = Vec::new();
@@ -236,10 +254,14 @@ impl Connectivity {
     pub(crate) fn targets(&self, u: u32, found: &mut Vec<u32>) {
         found.clear();
         let n_faces = self.around[u as usize].len();
-        if n_faces == 0 || n_faces > MAX_FACES || self.kind(u) == VertexKind::Fixed {
+        let is_kept = matches!(self.kind(u), VertexKind::Fixed | VertexKind::Rim);
+        if n_faces == 0 || n_faces > MAX_FACES || is_kept {
             return;
         }
         self.neighbors(u, found);
+        if self.has_rim {
+            found.retain(|&v| self.kind(v) != VertexKind::Rim);
+        }
         if self.kind(u) == VertexKind::Curve {
             found.retain(|&v| self.is_feature(u, v));
         }
@@ -262,6 +284,22 @@ impl Connectivity {
             }
         }
         sum
+    }
+
+    /// Quadrics of all positions, multiplied by their importance.
+    pub(crate) fn quadrics(
+        &self,
+        importance: Option<&[f64]>,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Quadric>, Cancelled> {
+        let quadric = |u: u32| {
+            if (u as usize).is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+            let quadric = self.quadric(u);
+            Ok(importance.map_or(quadric, |of| quadric.multiply(of[u as usize])))
+        };
+        (0..self.n_positions() as u32).into_par_iter().map(quadric).collect()
     }
 
     /// Plans the collapse of `u` to `v`; `false` if it would change the topology or a seam, or turn or flatten a face.
@@ -378,4 +416,17 @@ impl Connectivity {
         }
         self.around[u] = Vec::new();
     }
+}
+
+/// Lists pairs of faces with equal wedges and opposite orientations, the smaller index first. O(faces log faces).
+fn twins(faces: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let sorted = |(t, &face): (usize, &[u32; 3])| {
+        let mut face = face;
+        face.sort_unstable();
+        (face, t as u32)
+    };
+    let left = faces.par_iter().enumerate().filter(|(_, face)| face[0] != REMOVED);
+    let mut keyed: Vec<([u32; 3], u32)> = left.map(sorted).collect();
+    keyed.par_sort_unstable();
+    keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]).collect()
 }

@@ -13,6 +13,7 @@
 //! | `connectivity` | faces around vertices, and collapses that keep the topology |
 //! | `quadric` | cost of a collapse |
 //! | `collapse` | collapses in the order of their costs |
+//! | `parts` | collapses of large meshes, part by part |
 //! | `certificate` | proof during collapses that the original stays within a limit |
 //! | `appearance`, `colors` | colors and texture coordinates as part of the error |
 //! | `proof` | bounds of the largest distance from a triangle to a surface |
@@ -32,6 +33,7 @@ mod deviation;
 mod error;
 mod geometry;
 mod mesh;
+mod parts;
 mod proof;
 mod provenance;
 mod quadric;

@@ -1,11 +1,10 @@
 //! Simplification of meshes: within a largest distance, or to a number of vertices.
 
 use crate::appearance::Appearance;
-use crate::certificate::{Certificates, Original};
-use crate::collapse::Collapser;
 use crate::colors::WedgeColors;
-use crate::connectivity::{Connectivity, Turning};
+use crate::connectivity::Turning;
 use crate::deviation::{SurfaceView, measure_original, measure_simplified, vertex_areas};
+use crate::parts::{CollapseInput, DistanceLimit};
 use crate::proof::ROUNDING;
 use crate::provenance;
 use crate::surface::TriangleSurface;
@@ -300,17 +299,16 @@ impl<'a> SimplifyJob<'a> {
         })
     }
 
-    fn connectivity(&self) -> Result<Connectivity, Cancelled> {
-        let mut connectivity = Connectivity::new(&self.wedges, self.progress)?;
-        if self.params.border == Border::Kept {
-            connectivity.fix_borders();
+    /// Input of collapses, within a limit in units of the unit box if there is one.
+    fn collapses(&self, limit: Option<f64>) -> CollapseInput<'_> {
+        CollapseInput {
+            wedges: &self.wedges,
+            colors: self.colors.as_ref(),
+            importance: self.importance.as_deref(),
+            keeps_borders: self.params.border == Border::Kept,
+            limit: limit.map(|limit| DistanceLimit { surface: self.surface(), charts: &self.charts, limit }),
+            progress: self.progress,
         }
-        Ok(connectivity)
-    }
-
-    fn collapser<'b>(&'b self, certificates: Option<Certificates<'b>>) -> Result<Collapser<'b>, Cancelled> {
-        let (colors, importance) = (self.colors.as_ref(), self.importance.as_deref());
-        Collapser::new(self.connectivity()?, colors, importance, certificates, self.progress)
     }
 
     fn view<'b>(&'b self, triangles: &'b [[u32; 3]]) -> SurfaceView<'b> {
@@ -340,18 +338,14 @@ impl<'a> SimplifyJob<'a> {
     /// Simplifies to few vertices within a distance, in units of the unit box.
     fn simplify_to_error(&self, error: f64, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
-        let original = Original {
-            wedges: &self.wedges,
-            surface: self.surface(),
-            charts: &self.charts,
-            colors: self.colors.as_ref(),
-        };
-        let certificates = Certificates::new(original, limit);
-        let mut collapser = self.collapser(Some(certificates))?;
-        let mut count = n_before;
+        let collapses = self.collapses(Some(limit));
+        let mesh = collapses.collapse_in_parts(collapses.start(n_before), None)?;
+        let mut count = mesh.n_vertices;
+        let mut collapser = collapses.collapser(mesh)?;
         for _ in 0..MAX_PASSES {
             let before = count;
-            count = collapser.run(count, 0, &self.wedges.vertex, Turning::Limited, self.progress)?;
+            collapser.start(Turning::Limited, self.progress)?;
+            count = collapser.run(count, 0, f32::INFINITY, &self.wedges.vertex, self.progress)?;
             if count == before {
                 break;
             }
@@ -385,25 +379,26 @@ impl<'a> SimplifyJob<'a> {
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
-        let mut collapser = self.collapser(None)?;
-        let mut count = n_before;
-        let collapse = || -> Result<(), Cancelled> {
+        let collapses = self.collapses(None);
+        let collapse = || -> Result<_, Cancelled> {
+            let mesh = collapses.collapse_in_parts(collapses.start(n_before), Some(n))?;
+            let mut count = mesh.n_vertices;
+            let mut collapser = collapses.collapser(mesh)?;
             for turning in [Turning::Limited, Turning::Free] {
                 if count > n {
-                    count = collapser.run(count, n, &self.wedges.vertex, turning, self.progress)?;
+                    collapser.start(turning, self.progress)?;
+                    count = collapser.run(count, n, f32::INFINITY, &self.wedges.vertex, self.progress)?;
                 }
             }
-            Ok(())
+            Ok((count, collapser.connectivity.triangles()))
         };
         // The search structure is needed for the measurement and for the nearest faces.
-        if self.params.is_measured || self.params.has_nearest_faces {
+        let (count, (triangles, origins)) = if self.params.is_measured || self.params.has_nearest_faces {
             let prepare = || self.progress.check().map(|()| self.surface().len());
-            rayon::join(collapse, prepare).0?;
+            rayon::join(collapse, prepare).0?
         } else {
-            let mut collapse = collapse;
-            collapse()?;
-        }
-        let (triangles, origins) = collapser.connectivity.triangles();
+            collapse()?
+        };
         let why = if count > n { Why::Stuck } else { Why::Reached };
         Ok((Candidate { triangles, origins, deviation: None, within: None }, why))
     }

@@ -83,7 +83,7 @@ impl Wedges {
             return Err(SimplifyError::Weight { value: weights[vertex], vertex });
         }
         let corners = mesh.faces().corners();
-        let mut importance = vec![0.0_f64; self.position.last().map_or(0, |&last| last as usize + 1)];
+        let mut importance = vec![0.0_f64; self.n_positions()];
         for (&wedge, &corner) in self.triangles.as_flattened().iter().zip(self.corners.as_flattened()) {
             let of = &mut importance[self.position[wedge as usize] as usize];
             *of = of.max(weights[corners[corner as usize] as usize].abs());
@@ -97,6 +97,11 @@ impl Wedges {
             importance.fill(1.0);
         }
         Ok(importance)
+    }
+
+    /// Number of positions.
+    pub(crate) fn n_positions(&self) -> usize {
+        self.position.last().map_or(0, |&last| last as usize + 1)
     }
 
     /// Counts the vertices of the mesh that the triangles use.
@@ -113,7 +118,7 @@ impl Wedges {
     /// triangles).
     pub(crate) fn charts(&self) -> Vec<u32> {
         let n = self.triangles.len();
-        if self.position.last().is_none_or(|&last| last as usize + 1 == self.points.len()) {
+        if self.n_positions() == self.points.len() {
             return vec![0; n]; // one wedge per position: no seams
         }
         let mut edges: Vec<([u32; 2], u32)> = (0..n)
@@ -134,22 +139,9 @@ impl Wedges {
         (0..n as u32).map(|t| root(&mut parent, t)).collect()
     }
 
-    /// Lists pairs of triangles with equal wedges and opposite orientations, the smaller index first. O(triangles log
-    /// triangles).
-    pub(crate) fn twins(&self) -> Vec<[u32; 2]> {
-        let sorted = |t: usize| {
-            let mut triangle = self.triangles[t];
-            triangle.sort_unstable();
-            (triangle, t as u32)
-        };
-        let mut keyed: Vec<([u32; 3], u32)> = (0..self.triangles.len()).into_par_iter().map(sorted).collect();
-        keyed.par_sort_unstable();
-        keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]).collect()
-    }
-
     /// Counts the connected parts with and without borders; a common vertex connects. O(triangles log triangles).
     pub(crate) fn count_parts(&self) -> Parts {
-        let n = self.position.last().map_or(0, |&last| last + 1);
+        let n = self.n_positions() as u32;
         let mut parent: Vec<u32> = (0..n).collect();
         let mut edges = Vec::with_capacity(3 * self.triangles.len());
         for triangle in &self.triangles {
