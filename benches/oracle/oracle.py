@@ -91,15 +91,26 @@ def diffusion(positions, pairs, areas, length):
     return sp.diags(1 / np.asarray(t.sum(axis=1)).ravel()) @ t
 
 
-def compare(adwave, path, directed, as_cloud):
-    """Largest difference of any S and any W, in diagonals."""
+def transform(adwave, path, directed, as_cloud):
+    """Arrays of all levels as the program computes them."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "bands.npz"
         command = [adwave, "transform", str(path), "-o", str(out), "--levels", str(LEVELS), "--quiet"]
         command += ["--directed"] if directed else []
         command += ["--as", "cloud"] if as_cloud else []
         subprocess.run(command, check=True)
-        bands = {name: array for name, array in np.load(out).items()}
+        return {name: array for name, array in np.load(out).items()}
+
+
+def compare(adwave, path, directed, as_cloud):
+    """Largest difference of any S and any W, in diagonals."""
+    bands = transform(adwave, path, directed, as_cloud)
+    if as_cloud:
+        # Normals of a file keep neighbors off the other side of a thin wall; here positions alone choose them.
+        with tempfile.TemporaryDirectory() as folder:
+            positions_alone = Path(folder) / "points.npy"
+            np.save(positions_alone, bands["points"])
+            bands = transform(adwave, positions_alone, directed, as_cloud)
     points = bands["points"]
     index, positions = weld(points)
     cells = [] if as_cloud else read_faces(path)
