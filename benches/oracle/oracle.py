@@ -108,8 +108,8 @@ def compare(adwave, path, directed, as_cloud):
     if as_cloud:
         # Normals of a file keep neighbors off the other side of a thin wall; here positions alone choose them.
         with tempfile.TemporaryDirectory() as folder:
-            positions_alone = Path(folder) / "points.npy"
-            np.save(positions_alone, bands["points"])
+            positions_alone = Path(folder) / "points.xyz"
+            np.savetxt(positions_alone, bands["points"], fmt="%.17g")
             bands = transform(adwave, positions_alone, directed, as_cloud)
     points = bands["points"]
     index, positions = weld(points)
