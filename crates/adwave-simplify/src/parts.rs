@@ -20,7 +20,6 @@ use crate::surface::TriangleSurface;
 use crate::wedges::Wedges;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Number of vertices up to which a mesh is not divided.
 const UNDIVIDED: usize = 1 << 17;
@@ -220,21 +219,19 @@ impl<'a> CollapseInput<'a> {
         let n_others = mesh.n_vertices - n_inner;
         // The rims will be as coarse as the rest in the end.
         let target = (target as f64 * n_inner as f64 / mesh.n_vertices as f64) as usize;
-        let n_removed = AtomicUsize::new(0);
         loop {
-            let before: usize = left.iter().sum();
-            let (highest, shares) = plan_round(&collapsers, before.saturating_sub(target));
+            let n_left: usize = left.iter().sum();
+            progress.step(n_others + n_left)?;
+            let (highest, shares) = plan_round(&collapsers, n_left.saturating_sub(target));
+            if shares.iter().all(|share| *share == 0) {
+                break;
+            }
             let states = collapsers.par_iter_mut().zip(&parts).zip(left.par_iter_mut().zip(&shares));
             states.try_for_each(|((collapser, part), (left, share))| {
                 let to = left.saturating_sub(*share);
-                let n = collapser.run(*left, to, highest, &part.wedges.vertex, self.progress.quiet())?;
-                let all = n_removed.fetch_add(*left - n, Ordering::Relaxed) + *left - n;
-                *left = n;
-                progress.step(mesh.n_vertices - all)
+                *left = collapser.run(*left, to, highest, &part.wedges.vertex, self.progress.quiet())?;
+                Ok::<_, Cancelled>(())
             })?;
-            if left.iter().sum::<usize>() == before {
-                break;
-            }
         }
         let mut quadrics = known.map_or_else(|| self.rim_quadrics(&mesh.faces, &is_rim), Ok)?;
         quadrics.retain(|(x, _)| is_rim[*x as usize]);
