@@ -30,6 +30,7 @@ mod region;
 mod register;
 mod repeatability;
 mod shape;
+mod spectral;
 mod studio;
 mod time;
 mod walk;
@@ -56,6 +57,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     operator::add(module)?;
     picture::add(module)?;
     register::add(module)?;
+    spectral::add(module)?;
     baselines::add(module)?;
     frames::add(module)?;
     hierarchy::add(module)?;

@@ -39,7 +39,7 @@ def stub_text() -> str:
 def public_modules() -> list[ModuleType]:
     """Modules with public functions that can be imported here."""
     modules = [adwave]
-    for name in ("baselines", "dask", "paraview", "pyvista", "sklearn", "torch"):
+    for name in ("baselines", "dask", "kernels", "paraview", "pyvista", "sklearn", "torch"):
         try:
             modules.append(importlib.import_module(f"adwave.{name}"))
         except ImportError:

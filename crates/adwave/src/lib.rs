@@ -88,7 +88,9 @@ pub mod sparse;
 pub mod time;
 pub mod vector;
 
-pub use decomposer::{BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions};
+pub use decomposer::{
+    BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, SpectralSeries, VertexFunctions,
+};
 pub use editor::{ChangedVertices, EditBits, Editor, MANY_CHANNELS};
 pub use error::{ClassifiedError, ErrorKind};
 pub use named::{NamedEntry, NamedValue, UnknownName};

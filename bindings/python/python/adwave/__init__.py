@@ -49,7 +49,7 @@ Decomposer(shape)                           any of them prepared once, for many 
 ==========================================  ============================================================
 
 A call that cannot run says which line does what was meant. ``help(aw.decompose)`` has the arguments of one function;
-`aw.sklearn`, `aw.torch`, `aw.dask` and `aw.baselines` are loaded when they are first used.
+`aw.sklearn`, `aw.torch`, `aw.dask`, `aw.kernels` and `aw.baselines` are loaded when they are first used.
 """
 
 # `import adwave` loads this file only; numpy and the extension are loaded with the first name that is used.
@@ -94,15 +94,15 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_native": ("InternalError", "__version__"),
 }
 
-#: Public modules that are loaded when they are first used; all but `baselines` need another package.
-_MODULES = ("baselines", "dask", "sklearn", "torch")
+#: Public modules that are loaded when they are first used; all but `baselines` and `kernels` need another package.
+_MODULES = ("baselines", "dask", "kernels", "sklearn", "torch")
 
 #: Former names, which go with the next release.
 _RENAMED = {"points": "point_walk"}
 
 _MODULE_OF = {name: module for module, names in _EXPORTS.items() for name in names}
 
-__all__ = sorted([*_MODULE_OF, "baselines"])  # pyright: ignore[reportUnsupportedDunderAll]
+__all__ = sorted([*_MODULE_OF, "baselines", "kernels"])  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> object:

@@ -132,6 +132,11 @@ class PreparedShape(Carrier):
         return self._data.lengths()[1]
 
     @property
+    def spectral_range(self) -> float:
+        """Largest eigenvalue that the Laplacian can have: 2 for a walk, and for heat one over the square of a length."""
+        return _native.spectral_range(self._data)
+
+    @property
     def areas(self) -> NDArray[np.float64]:
         """Area of each vertex, (n,), in squared model units."""
         return self._data.areas()

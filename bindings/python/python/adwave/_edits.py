@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
 from adwave._caller import Call, public, warn
@@ -396,6 +396,9 @@ def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
 
 LocalFit = Literal["linear", "constant"]
 
+#: Gains of bands, or a function of the eigenvalues of the Laplacian.
+FilterGains = Union[GainsLike, Callable[[NDArray[np.float64]], ArrayLike]]
+
 
 def _gains_last(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """Arguments of `filter` with the signal before the gains: gains alone change the coordinates."""
@@ -413,35 +416,35 @@ def _gains_last(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[tu
 
 @overload
 def filter(
-    shape: object, signal: NDArray[Float], gains: GainsLike, **options: Unpack[FilterCall]
+    shape: object, signal: NDArray[Float], gains: FilterGains, **options: Unpack[FilterCall]
 ) -> NDArray[Float]: ...
 @overload
-def filter(shape: object, signal: Numbers, gains: GainsLike, **options: Unpack[FilterCall]) -> NDArray[np.float64]: ...
+def filter(shape: object, signal: Numbers, gains: FilterGains, **options: Unpack[FilterCall]) -> NDArray[np.float64]: ...
 @overload
-def filter(shape: adwave.Grid[_Kind], gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+def filter(shape: adwave.Grid[_Kind], gains: FilterGains, /, **options: Unpack[FilterCall]) -> _Kind: ...
 @overload
-def filter(shape: adwave.Grid[_Kind], signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]) -> _Kind: ...
+def filter(shape: adwave.Grid[_Kind], signal: str | None, gains: FilterGains, **options: Unpack[FilterCall]) -> _Kind: ...
 @overload
-def filter(shape: Path | Decomposer | Walk, gains: GainsLike, /, **options: Unpack[FilterCall]) -> Shape: ...
+def filter(shape: Path | Decomposer | Walk, gains: FilterGains, /, **options: Unpack[FilterCall]) -> Shape: ...
 @overload
 def filter(
-    shape: Path | Decomposer | Walk, signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]
+    shape: Path | Decomposer | Walk, signal: str | None, gains: FilterGains, **options: Unpack[FilterCall]
 ) -> Shape: ...
 @overload
 def filter(
-    shape: tuple[NDArray[Float], _Faces], gains: GainsLike, /, **options: Unpack[FilterCall]
+    shape: tuple[NDArray[Float], _Faces], gains: FilterGains, /, **options: Unpack[FilterCall]
 ) -> tuple[NDArray[Float], _Faces]: ...
 @overload
-def filter(shape: _Kind, gains: GainsLike, /, **options: Unpack[FilterCall]) -> _Kind: ...
+def filter(shape: _Kind, gains: FilterGains, /, **options: Unpack[FilterCall]) -> _Kind: ...
 @overload
-def filter(shape: _Kind, signal: str | None, gains: GainsLike, **options: Unpack[FilterCall]) -> _Kind: ...
+def filter(shape: _Kind, signal: str | None, gains: FilterGains, **options: Unpack[FilterCall]) -> _Kind: ...
 
 
 @public(_gains_last)
 def filter(
     shape: object,
-    signal: SignalLike | GainsLike = None,
-    gains: GainsLike | None = None,
+    signal: SignalLike | FilterGains = None,
+    gains: FilterGains | None = None,
     *,
     where: Where = None,
     levels: LevelsLike = None,
@@ -465,11 +468,13 @@ def filter(
         vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there. An array of 16
         and more channels that is mapped from a file (``np.load(path, mmap_mode="r")``) is read in groups of channels, and
         the result is mapped from a temporary file.
-    gains : sequence of float, str, or one or more Layer
+    gains : sequence of float, str, callable, or one or more Layer
         A gain for each band from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or a preset by its name:
         ``'smooth'`` (or ``'suppress'``) drops all bands but the last, which it doubles, so that limbs and volume are
         preserved (with one level it drops that band); ``'suppress-paper'`` drops all bands, which shrinks limbs;
-        ``'enhance'``, ``'band1'``, ``'band2'``. Or several edits as `Layer`.
+        ``'enhance'``, ``'band1'``, ``'band2'``. Or several edits as `Layer`. Or a function of the eigenvalues of the
+        Laplacian, ``lambda x: 1 / (1 + x)``, as `adwave.kernels.apply` takes it, with ``accuracy=`` (1e-8 by default) and
+        without levels and regions.
     where : str or (n,) array_like, optional
         A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), a weight for each vertex, or
         indices of vertices; everywhere by default.
@@ -509,6 +514,9 @@ def filter(
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
     >>> heights = aw.filter(noisy, noisy.points[:, 2], [0, 1, 1])
     """
+    if callable(gains if gains is not None else signal):
+        given = {"where": where, "levels": levels, "constraints": constraints, "local_fit": local_fit}
+        return _filter_by_kernel(shape, signal, gains, operator, progress, {**given, **options})
     time = options.pop("time", None)
     own = grid_method("filter", shape, options, None if gains is None else signal)
     if own is not None:
@@ -559,6 +567,32 @@ def filter(
         return result if time is None else time.smooth(result, axis=frames_axis(layout), progress=progress)
     refuse_time(time)
     settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy, precision)
+    return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
+
+
+def _filter_by_kernel(
+    shape: object, signal: Any, kernel: Any, operator: OperatorLike, progress: ProgressLike, options: dict[str, Any]
+) -> Any:
+    """`filter` by a function of the eigenvalues of the Laplacian."""
+    from adwave import kernels
+
+    if kernel is None:
+        signal, kernel = None, signal
+    accuracy = options.pop("accuracy", kernels.ACCURACY)
+    unused = [name for name, value in options.items() if value is not None]
+    if unused:
+        raise ValueError(f"{unused[0]}: it does not apply to a function of the eigenvalues; leave it out")
+    if signal is not None and not isinstance(signal, str):
+        return kernels.apply(shape, signal, kernel, operator=operator, accuracy=accuracy, progress=progress).values[0]
+    part = read_part("filter", shape, {}, _FILTER, kernel)
+    decomposer = prepare_decomposer(part.part, operator, None, analysis=True)
+    polynomial = kernels.fit(kernel, _native.spectral_range(decomposer._data), accuracy)
+
+    def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
+        return kernels.apply_polynomials(owner, request.signal, [polynomial], report)[0]
+
+    named = default_signal(part, signal)
+    settings = EditSettings(named or "coords", [1.0], Constraints(), "constant")
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
 

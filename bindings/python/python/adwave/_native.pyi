@@ -236,6 +236,13 @@ def filter_layers(
     layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]],
     progress: _Report = None,
 ) -> _Floats: ...
+def spectral_range(prepared: Prepared) -> float: ...
+def apply_spectral(
+    prepared: Prepared,
+    signal: _Floats | None,
+    functions: Sequence[tuple[float, float, _Floats]],
+    progress: _Report = None,
+) -> _Floats: ...
 def filter_labels(
     prepared: Prepared,
     request: BandsRequest,

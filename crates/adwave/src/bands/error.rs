@@ -118,6 +118,11 @@ pub enum BandsError {
         /// The condition that does not hold.
         reason: &'static str,
     },
+    /// Functions of the Laplacian of a walk that is not reversible.
+    #[error(
+        "a function of the Laplacian needs a symmetric graph, and this walk is not reversible; make the graph symmetric"
+    )]
+    NotReversible,
     /// Single precision was asked for and does not apply.
     #[error(
         "single precision does not apply: {reason}; it needs a reversible operator, and whole steps or heat; use double precision"

@@ -57,6 +57,19 @@ impl FixedSeries {
         Self::from_coefficients(Series::combination(&bands, &factors, Growth::Bounded).coefficients)
     }
 
+    /// The polynomial `Σ_k coefficients[k]·T_k(2Φ₁ − I)` of one's own, which is applied to `(I − Φ₁)f`.
+    ///
+    /// # Panics
+    /// Without coefficients, or if one is not finite.
+    #[must_use]
+    pub fn polynomial(coefficients: Vec<f64>) -> Self {
+        assert!(
+            !coefficients.is_empty() && coefficients.iter().all(|a| a.is_finite()),
+            "finite coefficients"
+        );
+        Self::from_coefficients(coefficients)
+    }
+
     /// Number of rings around a vertex that its value depends on.
     pub fn reach(&self) -> usize {
         self.0.degree() + 1

@@ -8,10 +8,12 @@ mod labels;
 mod level_spec;
 mod part;
 mod request;
+mod spectral;
 mod union;
 
 pub use level_spec::{LevelSpec, LevelSpecError, ResolvedLevels};
 pub use request::BandsRequest;
+pub use spectral::SpectralSeries;
 
 use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
