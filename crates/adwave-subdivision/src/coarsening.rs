@@ -6,9 +6,10 @@
 //! vertex. From one coarse vertex these rules reach every vertex of its part in O(n), or contradict each other. If a
 //! part has no irregular vertex, its first vertex and the neighbors of that vertex are tried in turn.
 
-use crate::topology::{NONE, Topology};
+use crate::topology::{NONE, Topology, renamed};
 use crate::{Obstacle, SubdivisionError};
 use adwave::Progress;
+use adwave::shape::Polygons;
 
 /// Number of vertices between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 12;
@@ -24,18 +25,45 @@ enum Parity {
 pub(crate) struct Coarsening {
     /// Vertices that remain on the coarser level, increasing.
     pub(crate) coarse: Vec<u32>,
-    /// Midpoints, increasing.
+    /// Midpoints of edges, increasing.
     pub(crate) midpoints: Vec<u32>,
     /// Ends of the coarse edge of each midpoint, as vertices of the finer level.
     pub(crate) parents: Vec<[u32; 2]>,
-    /// Corners of each coarse face, as vertices of the finer level.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Coarse faces, with vertices of the finer level.
+    pub(crate) faces: Polygons,
     /// Midpoint of each half-edge of the coarse faces, as a vertex of the finer level; [`NONE`] in a part without a
     /// coarser level.
     pub(crate) midpoint_of: Vec<u32>,
+    /// Face point of each coarse face, or [`NONE`] in a part without a coarser level; empty for triangles.
+    pub(crate) face_points: Vec<u32>,
+    /// True for each half-edge of the coarse faces both halves of which are sharp; empty if there are none.
+    pub(crate) sharp: Vec<bool>,
     /// Faces of the finer level in each coarse face: the central one, then those at its corners. An unchanged face has
-    /// itself, then [`NONE`].
+    /// itself, then [`NONE`]. Empty for quadrilaterals.
     pub(crate) children: Vec<[u32; 4]>,
+}
+
+impl Coarsening {
+    /// Index on the coarser level of each of `n_vertices` vertices of the finer level, or [`NONE`].
+    pub(crate) fn ranks(&self, n_vertices: usize) -> Vec<u32> {
+        let mut ranks = vec![NONE; n_vertices];
+        for (k, &v) in (0..).zip(&self.coarse) {
+            ranks[v as usize] = k;
+        }
+        ranks
+    }
+
+    /// Builds the topology of the coarse mesh.
+    pub(crate) fn coarse_topology(
+        &self,
+        ranks: &[u32],
+        progress: Progress<'_>,
+    ) -> Result<Topology, SubdivisionError> {
+        let faces = renamed(&self.faces, |v| ranks[v as usize]);
+        let mut topology = Topology::new(self.coarse.len(), faces, progress)?;
+        topology.sharp.clone_from(&self.sharp);
+        Ok(topology)
+    }
 }
 
 /// Search for the coarse vertices of one level.
@@ -163,25 +191,28 @@ impl<'a> ParitySearch<'a> {
         let is_midpoint = |v: u32| self.parity[v as usize] == Parity::Midpoint;
         let (midpoints, coarse): (Vec<u32>, Vec<u32>) =
             (0..topology.n_vertices as u32).partition(|&v| is_midpoint(v));
+        let n_faces = topology.n_faces();
         let mut found = Coarsening {
             parents: midpoints.iter().map(|&w| self.parents[w as usize]).collect(),
             coarse,
             midpoints,
-            triangles: Vec::with_capacity(topology.triangles.len() / 4),
-            midpoint_of: Vec::with_capacity(topology.triangles.len()),
-            children: Vec::with_capacity(topology.triangles.len() / 4),
+            faces: Polygons::with_capacity(n_faces / 4, 3 * (n_faces / 4)),
+            midpoint_of: Vec::with_capacity(n_faces),
+            face_points: Vec::new(),
+            sharp: Vec::new(),
+            children: Vec::with_capacity(n_faces / 4),
         };
-        for (f, &t) in topology.triangles.iter().enumerate() {
+        for (f, t) in topology.faces.iter().enumerate() {
             if t.iter().all(|&v| is_midpoint(v)) {
                 // Beyond each edge of a central face lies the face at a corner.
                 let twin = |k: usize| topology.twins[3 * f + k];
                 let corners = [twin(2), twin(0), twin(1)];
-                found.triangles.push(corners.map(|h| topology.apex(h)));
+                found.faces.push(&corners.map(|h| topology.apex(h)));
                 found.midpoint_of.extend(t);
                 let [a, b, c] = corners.map(|h| h / 3);
                 found.children.push([f as u32, a, b, c]);
             } else if !t.iter().any(|&v| is_midpoint(v)) {
-                found.triangles.push(t);
+                found.faces.push(t);
                 found.midpoint_of.extend([NONE; 3]);
                 found.children.push([f as u32, NONE, NONE, NONE]);
             }

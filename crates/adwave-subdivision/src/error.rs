@@ -18,7 +18,7 @@ pub enum Obstacle {
         n_neighbors: usize,
     },
     /// A vertex would be a coarse vertex and a midpoint.
-    #[error("vertex {vertex} would be both a coarse vertex and the midpoint of an edge")]
+    #[error("vertex {vertex} would be both a coarse vertex and a new one")]
     Parity {
         /// Vertex of the mesh.
         vertex: u32,
@@ -43,6 +43,32 @@ pub enum Obstacle {
         /// Vertex of the mesh.
         vertex: u32,
     },
+    /// A face is not a quadrilateral.
+    #[error(
+        "the face at vertex {vertex} has {n_corners} corners, and every face of a subdivided mesh has four"
+    )]
+    NotQuad {
+        /// First corner of the face.
+        vertex: u32,
+        /// Number of corners of the face.
+        n_corners: usize,
+    },
+    /// A vertex would be an edge point, but does not have the neighbors of one.
+    #[error(
+        "vertex {vertex} would lie on a coarse edge and has {n_neighbors} neighbors; such a vertex has 4, on a border 3"
+    )]
+    EdgePoint {
+        /// Vertex of the mesh.
+        vertex: u32,
+        /// Number of neighbors of the vertex.
+        n_neighbors: usize,
+    },
+    /// A vertex would lie in the middle of a coarse face, but lies on the border.
+    #[error("vertex {vertex} would lie in the middle of a coarse face, and lies on the border")]
+    FacePoint {
+        /// Vertex of the mesh.
+        vertex: u32,
+    },
     /// The part has no faces.
     #[error("vertex {vertex} belongs to no face")]
     NoFaces {
@@ -57,13 +83,44 @@ pub enum Obstacle {
 pub enum SubdivisionError {
     /// A face is not a triangle.
     #[error(
-        "subdivision levels need triangles, and face {face} has {n_corners} corners; quadrilateral schemes are not covered"
+        "this needs triangles, and face {face} has {n_corners} corners; families 'catmull-clark' and 'linear' take quadrilaterals"
     )]
     NotTriangle {
         /// Index of the face.
         face: usize,
         /// Number of corners of the face.
         n_corners: usize,
+    },
+    /// A face has fewer than three corners.
+    #[error(
+        "subdivision levels need faces of three corners or more, and face {face} has {n_corners}; remove it first"
+    )]
+    FewCorners {
+        /// Index of the face.
+        face: usize,
+        /// Number of corners of the face.
+        n_corners: usize,
+    },
+    /// Two ends of a crease have no common edge.
+    #[error("a crease is given between vertices {a} and {b}, and the mesh has no edge there")]
+    NoEdge {
+        /// One end.
+        a: u32,
+        /// Other end.
+        b: u32,
+    },
+    /// Pairs of parents are asked for of quadrilaterals.
+    #[error("the middle of a face has more than two parents; take them as rows")]
+    PairsOfQuads,
+    /// The rule for coarse vertices has no usable inverse on a level.
+    #[error(
+        "Catmull-Clark subdivision of level {level} loses values that no coarse mesh can restore (error {error:.0e}, at vertices of          two or three faces); use family 'linear'"
+    )]
+    Singular {
+        /// The coarser level, from 1.
+        level: usize,
+        /// Largest relative error of solving for the coarse values.
+        error: f64,
     },
     /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index}, and there are {n_vertices} vertices")]

@@ -7,7 +7,7 @@
 
 use crate::lifting::{check_field, usable_masses};
 use crate::topology::NONE;
-use crate::{Hierarchy, LiftedCoefficients, SubdivisionError};
+use crate::{Family, Hierarchy, LiftedCoefficients, SubdivisionError};
 use adwave::Progress;
 
 /// Haar wavelets on the faces of a hierarchy, prepared for many fields.
@@ -59,8 +59,13 @@ impl HaarWavelets {
     /// Prepares the wavelets of a hierarchy, for the areas of its faces.
     ///
     /// # Errors
-    /// [`SubdivisionError`] if the number of areas is wrong, or if an area is negative or not finite.
+    /// [`SubdivisionError`] if the number of areas is wrong, if an area is negative or not finite, and for
+    /// quadrilaterals.
     pub fn new(hierarchy: &Hierarchy, areas: &[f64]) -> Result<Self, SubdivisionError> {
+        if hierarchy.is_of_quads() {
+            let reason = "is for triangles, and the mesh has quadrilaterals; use 'catmull-clark' or 'linear'";
+            return Err(SubdivisionError::Family { family: Family::Haar.name(), reason });
+        }
         let n_faces = hierarchy.n_faces(0);
         let areas = usable_masses(areas, n_faces, "areas of the faces")?;
         // The face of the mesh that stands for each face of the level at hand, and the area of that face.

@@ -1,16 +1,17 @@
 //! Levels of a mesh that was made by subdivision.
 
 use crate::coarsening::{Coarsening, ParitySearch};
-use crate::topology::{NONE, Topology};
-use crate::{Obstacle, SubdivisionError};
-use adwave::Progress;
+use crate::quad_levels::{self, QuadParams};
+use crate::topology::{NONE, Topology, renamed};
+use crate::{Family, Obstacle, SubdivisionError};
 use adwave::shape::{Mesh, Polygons};
+use adwave::{Progress, named_values};
 
 /// Number of faces between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 16;
 
 /// Largest number of levels: 4¹⁶ faces are more than indices can number.
-const MAX_LEVELS: usize = 16;
+pub(crate) const MAX_LEVELS: usize = 16;
 
 /// Levels, parents and coarse meshes of a mesh with subdivision connectivity; vertices and faces may have any order.
 ///
@@ -38,7 +39,23 @@ pub struct Hierarchy {
     /// Vertex of the mesh at each place in the order of the hierarchy; the coarsest level comes first.
     pub(crate) order: Vec<u32>,
     parts: Vec<SubdivisionPart>,
+    pub(crate) corners: BorderCorners,
 }
+
+/// Rule for the vertices of one face on a border in Catmull–Clark subdivision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BorderCorners {
+    /// The border is smooth everywhere, as with Blender's boundary "all".
+    #[default]
+    Smooth,
+    /// They stay in place, as with OpenSubdiv's boundary "edge and corner".
+    Sharp,
+}
+
+named_values!(BorderCorners, "rule of border corners", {
+    Smooth => "smooth", "the border is smooth everywhere";
+    Sharp => "sharp", "border vertices of one face stay in place";
+});
 
 /// A mesh of the hierarchy, and the step that leads to it from the finer one.
 #[derive(Clone, Debug)]
@@ -48,9 +65,19 @@ pub(crate) struct HierarchyLevel {
     pub(crate) midpoint_of: Vec<u32>,
     /// Ends of the edge of each midpoint; midpoints are numbered after the vertices of this level. Empty on level 0.
     pub(crate) parents: Vec<[u32; 2]>,
+    /// Face point on the finer level of each face, or [`NONE`]; face points are numbered after the midpoints. Empty on
+    /// level 0 and for triangles.
+    pub(crate) face_points: Vec<u32>,
     /// Finer faces in each face: the central one, then the others; [`NONE`] in the other places if a face is unchanged.
-    /// Empty on level 0.
+    /// Empty on level 0 and for quadrilaterals.
     pub(crate) children: Vec<[u32; 4]>,
+}
+
+impl HierarchyLevel {
+    fn without_step(topology: Topology) -> Self {
+        let (midpoint_of, parents, face_points, children) = Default::default();
+        Self { topology, midpoint_of, parents, face_points, children }
+    }
 }
 
 /// A connected part of a mesh.
@@ -64,32 +91,34 @@ pub struct SubdivisionPart {
     pub n_coarsest: usize,
     /// Number of levels of subdivision.
     pub n_levels: usize,
+    /// True if the connectivity allows other coarse vertices with as many levels.
+    pub is_ambiguous: bool,
     /// Reason why there is no further level.
     pub obstacle: Obstacle,
 }
 
 /// Connected parts of a mesh, and the part of each vertex.
-struct Parts {
-    of_vertex: Vec<u32>,
-    infos: Vec<SubdivisionPart>,
+pub(crate) struct Parts {
+    pub(crate) of_vertex: Vec<u32>,
+    pub(crate) infos: Vec<SubdivisionPart>,
     /// True while a coarser level may exist.
-    active: Vec<bool>,
+    pub(crate) active: Vec<bool>,
 }
 
 impl Parts {
     /// Finds the parts by joining the corners of each face; the root of each part is its first vertex.
     fn new(topology: &Topology, progress: Progress<'_>) -> Result<Self, SubdivisionError> {
         let mut parents: Vec<u32> = (0..topology.n_vertices as u32).collect();
-        for faces in topology.triangles.chunks(AT_A_TIME) {
-            progress.check()?;
-            for t in faces {
-                let mut first = find_root(&mut parents, t[0]);
-                for &v in &t[1..] {
-                    let other = find_root(&mut parents, v);
-                    let (low, high) = (first.min(other), first.max(other));
-                    parents[high as usize] = low;
-                    first = low;
-                }
+        for (f, corners) in topology.faces.iter().enumerate() {
+            if f % AT_A_TIME == 0 {
+                progress.check()?;
+            }
+            let mut first = find_root(&mut parents, corners[0]);
+            for &v in &corners[1..] {
+                let other = find_root(&mut parents, v);
+                let (low, high) = (first.min(other), first.max(other));
+                parents[high as usize] = low;
+                first = low;
             }
         }
         let (mut of_vertex, mut infos, mut active) =
@@ -100,7 +129,14 @@ impl Parts {
                 of_vertex[v as usize] = infos.len() as u32;
                 active.push(topology.starts[v as usize] != NONE);
                 let obstacle = Obstacle::NoFaces { vertex: v };
-                infos.push(SubdivisionPart { first, n_vertices: 0, n_coarsest: 0, n_levels: 0, obstacle });
+                infos.push(SubdivisionPart {
+                    first,
+                    n_vertices: 0,
+                    n_coarsest: 0,
+                    n_levels: 0,
+                    is_ambiguous: false,
+                    obstacle,
+                });
             } else {
                 of_vertex[v as usize] = of_vertex[first as usize];
             }
@@ -122,11 +158,11 @@ fn find_root(parents: &mut [u32], v: u32) -> u32 {
 }
 
 /// Level during the search, with its own numbering.
-struct SearchLevel {
-    topology: Topology,
-    coarsening: Coarsening,
+pub(crate) struct SearchLevel {
+    pub(crate) topology: Topology,
+    pub(crate) coarsening: Coarsening,
     /// Index of each coarse vertex on the next level.
-    coarse_rank: Vec<u32>,
+    pub(crate) coarse_rank: Vec<u32>,
 }
 
 impl Hierarchy {
@@ -143,7 +179,7 @@ impl Hierarchy {
         if triangles.is_empty() {
             return Err(SubdivisionError::NoFaces);
         }
-        let mut topology = Topology::new(n_vertices, triangles.to_vec(), progress)?;
+        let mut topology = Topology::new(n_vertices, Polygons::from_triangles(triangles), progress)?;
         let mut parts = Parts::new(&topology, progress)?;
         // The vertex of the mesh of each vertex of the present level.
         let mut names: Vec<u32> = (0..n_vertices as u32).collect();
@@ -157,24 +193,70 @@ impl Hierarchy {
             finer.push(SearchLevel { topology, coarsening, coarse_rank });
             topology = coarser;
         }
+        Self::from_levels(finer, topology, &names, parts, progress)
+    }
+
+    /// Finds the levels of a mesh of polygons in O(n): those of triangles that were cut into four if all faces are
+    /// triangles, like [`new`](Self::new), and otherwise those of Catmull–Clark subdivision, where each face of n
+    /// corners was cut into n quadrilaterals. The coarsest mesh may have faces of any number of corners.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new), and [`SubdivisionError::NoEdge`] if a crease is not an edge of the mesh.
+    ///
+    /// ```
+    /// use adwave::{Progress, shape::Polygons};
+    /// use adwave_subdivision::{Hierarchy, QuadParams, subdivide_polygons};
+    /// let pentagon: Polygons = [[0, 1, 2, 3, 4].as_slice()].into_iter().collect();
+    /// let finer = subdivide_polygons(5, &pentagon);
+    /// let hierarchy = Hierarchy::from_faces(11, &finer.faces, &QuadParams::default(), Progress::none())?;
+    /// assert_eq!((hierarchy.n_levels(), hierarchy.n_vertices(1), hierarchy.faces(1)?.get(0).len()), (1, 5, 5));
+    /// # Ok::<(), adwave_subdivision::SubdivisionError>(())
+    /// ```
+    pub fn from_faces(
+        n_vertices: usize,
+        faces: &Polygons,
+        params: &QuadParams<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Self, SubdivisionError> {
+        if let Some(triangles) = faces.triangles() {
+            return Self::new(n_vertices, triangles, progress);
+        }
+        let mut topology = Topology::new(n_vertices, faces.clone(), progress)?;
+        quad_levels::set_creases(&mut topology, params.creases)?;
+        let mut parts = Parts::new(&topology, progress)?;
+        let found = quad_levels::search(topology, &mut parts, params, progress)?;
+        let mut hierarchy = Self::from_levels(found.finer, found.coarsest, &found.names, parts, progress)?;
+        hierarchy.corners = params.corners;
+        Ok(hierarchy)
+    }
+
+    /// Numbers the levels that a search has found.
+    fn from_levels(
+        finer: Vec<SearchLevel>,
+        coarsest: Topology,
+        names: &[u32],
+        mut parts: Parts,
+        progress: Progress<'_>,
+    ) -> Result<Self, SubdivisionError> {
         if finer.is_empty() {
             let part = parts.infos.iter().max_by_key(|part| part.n_vertices);
             let obstacle = part.map_or(Obstacle::NoFaces { vertex: 0 }, |part| part.obstacle);
             return Err(SubdivisionError::NoLevels { obstacle });
         }
-        for &v in &names {
+        for &v in names {
             parts.infos[parts.of_vertex[v as usize] as usize].n_coarsest += 1;
         }
         progress.check()?;
-        Ok(number_levels(finer, topology, &names, parts.infos))
+        Ok(number_levels(finer, coarsest, names, parts.infos))
     }
 
-    /// Finds the levels of a mesh whose faces are triangles, like [`new`](Self::new).
+    /// Finds the levels of a mesh by its faces and positions, like [`from_faces`](Self::from_faces).
     ///
     /// # Errors
-    /// As for [`new`](Self::new), and [`SubdivisionError::NotTriangle`] if a face has more or fewer than three corners.
+    /// As for [`from_faces`](Self::from_faces).
     pub fn from_mesh(mesh: &Mesh, progress: Progress<'_>) -> Result<Self, SubdivisionError> {
-        Self::new(mesh.points().len(), triangles_of(mesh.faces())?, progress)
+        let params = QuadParams { points: Some(mesh.points()), ..QuadParams::default() };
+        Self::from_faces(mesh.points().len(), mesh.faces(), &params, progress)
     }
 
     /// Number of levels of subdivision, at least 1.
@@ -195,7 +277,7 @@ impl Hierarchy {
     /// # Panics
     /// If the level does not exist.
     pub fn n_faces(&self, level: usize) -> usize {
-        self.levels[level].topology.triangles.len()
+        self.levels[level].topology.n_faces()
     }
 
     /// Vertex of the mesh at each vertex of a level.
@@ -210,27 +292,86 @@ impl Hierarchy {
         })
     }
 
-    /// Faces of a level, as vertices of that level. Their corners have the order of the corners of the finer faces.
+    /// True if the levels are those of Catmull–Clark subdivision, false if those of triangles.
+    pub fn is_of_quads(&self) -> bool {
+        self.levels[0].topology.faces.triangles().is_none()
+    }
+
+    /// Family of wavelets to use unless another is asked for.
+    pub fn usual_family(&self) -> Family {
+        if self.is_of_quads() { Family::CatmullClark } else { Family::default() }
+    }
+
+    /// Faces of a level, as vertices of that level.
     ///
     /// # Errors
     /// [`SubdivisionError::Level`] if the level does not exist.
-    pub fn triangles(&self, level: usize) -> Result<Vec<[u32; 3]>, SubdivisionError> {
+    pub fn faces(&self, level: usize) -> Result<Polygons, SubdivisionError> {
         self.check_level(level)?;
-        let triangles = &self.levels[level].topology.triangles;
-        Ok(match level {
-            0 => triangles.iter().map(|t| t.map(|v| self.order[v as usize])).collect(),
-            _ => triangles.clone(),
-        })
+        let faces = &self.levels[level].topology.faces;
+        Ok(if level == 0 { renamed(faces, |v| self.order[v as usize]) } else { faces.clone() })
+    }
+
+    /// Triangles of a level, as vertices of that level. Their corners have the order of the corners of the finer faces.
+    ///
+    /// # Errors
+    /// [`SubdivisionError::Level`] if the level does not exist, [`SubdivisionError::NotTriangle`] for quadrilaterals.
+    pub fn triangles(&self, level: usize) -> Result<Vec<[u32; 3]>, SubdivisionError> {
+        Ok(triangles_of(&self.faces(level)?)?.to_vec())
+    }
+
+    /// Parents of each vertex of a level finer than the coarsest, as vertices of the next level, each with an equal
+    /// share: the corners of a face for its face point, the ends of the edge of a midpoint, or the vertex itself if it
+    /// remains. Returned as the start of each row, with the end of the last one, and the parents.
+    ///
+    /// # Errors
+    /// [`SubdivisionError::Level`] if there is no next level.
+    pub fn parent_rows(&self, level: usize) -> Result<(Vec<u32>, Vec<u32>), SubdivisionError> {
+        self.check_has_next(level)?;
+        let coarser = &self.levels[level + 1];
+        let n = self.n_vertices(level);
+        let mut rows: Vec<Vec<u32>> = (0..coarser.topology.n_vertices as u32).map(|v| vec![v]).collect();
+        rows.extend(coarser.parents.iter().map(|pair| pair.to_vec()));
+        rows.resize(n, Vec::new());
+        for (corners, &center) in coarser.topology.faces.iter().zip(&coarser.face_points) {
+            if center != NONE {
+                rows[center as usize] = corners.to_vec();
+            }
+        }
+        let mut in_mesh = Vec::new();
+        if level == 0 {
+            in_mesh.resize(n, 0);
+            for (place, &v) in self.order.iter().enumerate() {
+                in_mesh[v as usize] = place;
+            }
+        } else {
+            in_mesh.extend(0..n);
+        }
+        let (mut starts, mut parents) = (vec![0], Vec::new());
+        for place in in_mesh {
+            parents.extend(&rows[place]);
+            starts.push(parents.len() as u32);
+        }
+        Ok((starts, parents))
+    }
+
+    fn check_has_next(&self, level: usize) -> Result<(), SubdivisionError> {
+        if level >= self.n_levels() {
+            return Err(SubdivisionError::Level { level, n_levels: self.n_levels() - 1 });
+        }
+        Ok(())
     }
 
     /// Parents of each vertex of a level finer than the coarsest, as vertices of the next level: the ends of the edge
     /// of a midpoint, or twice the vertex itself if it remains.
     ///
     /// # Errors
-    /// [`SubdivisionError::Level`] if there is no next level.
+    /// [`SubdivisionError::Level`] if there is no next level, [`SubdivisionError::PairsOfQuads`] for quadrilaterals, whose
+    /// face points have more parents ([`parent_rows`](Self::parent_rows)).
     pub fn parents(&self, level: usize) -> Result<Vec<[u32; 2]>, SubdivisionError> {
-        if level >= self.n_levels() {
-            return Err(SubdivisionError::Level { level, n_levels: self.n_levels() - 1 });
+        self.check_has_next(level)?;
+        if self.is_of_quads() {
+            return Err(SubdivisionError::PairsOfQuads);
         }
         let coarser = &self.levels[level + 1];
         let staying = (0..coarser.topology.n_vertices as u32).map(|v| [v, v]);
@@ -308,13 +449,9 @@ fn coarsen(
             return Ok(None);
         }
         let coarsening = search.finish();
-        let mut rank = vec![NONE; topology.n_vertices];
-        for (k, &v) in (0..).zip(&coarsening.coarse) {
-            rank[v as usize] = k;
-        }
-        let triangles = coarsening.triangles.iter().map(|t| t.map(|v| rank[v as usize])).collect();
+        let rank = coarsening.ranks(topology.n_vertices);
         let name = |k: u32| names[coarsening.coarse[k as usize] as usize];
-        let vertex = match Topology::new(coarsening.coarse.len(), triangles, progress) {
+        let vertex = match coarsening.coarse_topology(&rank, progress) {
             Ok(coarser) => {
                 for (active, part) in parts.active.iter().zip(&mut parts.infos) {
                     part.n_levels += usize::from(*active);
@@ -335,7 +472,7 @@ fn coarsen(
 
 impl Obstacle {
     /// Returns the reason with the vertex of the level replaced by that of the mesh.
-    fn renamed(self, names: &[u32]) -> Self {
+    pub(crate) fn renamed(self, names: &[u32]) -> Self {
         let name = |vertex: u32| names[vertex as usize];
         match self {
             Self::Valence { vertex, n_neighbors } => Self::Valence { vertex: name(vertex), n_neighbors },
@@ -344,6 +481,9 @@ impl Obstacle {
             Self::Degenerate { vertex } => Self::Degenerate { vertex: name(vertex) },
             Self::Pinched { vertex } => Self::Pinched { vertex: name(vertex) },
             Self::NoFaces { vertex } => Self::NoFaces { vertex: name(vertex) },
+            Self::NotQuad { vertex, n_corners } => Self::NotQuad { vertex: name(vertex), n_corners },
+            Self::EdgePoint { vertex, n_neighbors } => Self::EdgePoint { vertex: name(vertex), n_neighbors },
+            Self::FacePoint { vertex } => Self::FacePoint { vertex: name(vertex) },
         }
     }
 }
@@ -367,11 +507,16 @@ fn number_levels(
         for (place, &v) in (coarsening.coarse.len() as u32..).zip(&coarsening.midpoints) {
             finer_places[v as usize] = place;
         }
+        let centers = coarsening.face_points.iter().copied().filter(|&v| v != NONE);
+        for (place, v) in ((coarsening.coarse.len() + coarsening.midpoints.len()) as u32..).zip(centers) {
+            finer_places[v as usize] = place;
+        }
         let place = |v: u32| if v == NONE { NONE } else { finer_places[v as usize] };
         let level = HierarchyLevel {
             topology: coarser.renumbered(&places),
             midpoint_of: coarsening.midpoint_of.into_iter().map(place).collect(),
             parents: coarsening.parents.into_iter().map(|pair| pair.map(place)).collect(),
+            face_points: coarsening.face_points.into_iter().map(place).collect(),
             children: coarsening.children,
         };
         levels.push(level);
@@ -383,26 +528,7 @@ fn number_levels(
     }
     debug_assert_eq!(&order[..names.len()], names);
     let topology = coarser.renumbered(&places);
-    levels.push(HierarchyLevel {
-        topology,
-        midpoint_of: Vec::new(),
-        parents: Vec::new(),
-        children: Vec::new(),
-    });
+    levels.push(HierarchyLevel::without_step(topology));
     levels.reverse();
-    Hierarchy { levels, order, parts }
-}
-
-impl Topology {
-    /// Returns the topology with vertex v renamed to `places[v]`.
-    fn renumbered(self, places: &[u32]) -> Self {
-        let mut starts = vec![NONE; self.n_vertices];
-        let mut n_faces_at = vec![0; self.n_vertices];
-        for (v, &place) in places.iter().enumerate() {
-            starts[place as usize] = self.starts[v];
-            n_faces_at[place as usize] = self.n_faces_at[v];
-        }
-        let triangles = self.triangles.into_iter().map(|t| t.map(|v| places[v as usize])).collect();
-        Self { triangles, starts, n_faces_at, ..self }
-    }
+    Hierarchy { levels, order, parts, corners: BorderCorners::default() }
 }

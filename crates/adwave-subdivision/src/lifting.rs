@@ -1,7 +1,9 @@
 //! Wavelets by lifting (`sweldens1998`): prediction of midpoints, update of coarse vertices.
 
 use crate::even_solve::EvenRule;
+use crate::hierarchy::HierarchyLevel;
 use crate::prediction::Prediction;
+use crate::quad_stencils;
 use crate::rows::{add_product, from_diagonal};
 use crate::stencils;
 use crate::update::{Synthesis, Update};
@@ -12,9 +14,12 @@ use adwave::{Cancelled, Progress};
 /// Least mass of a vertex as a share of the mean mass, so that each update exists.
 const LEAST_MASS: f64 = 1e-9;
 
-/// Number of rings around the parents that the update of a Loop wavelet may change; with one ring the condition of the
-/// basis is five times as large.
-const LOOP_RINGS: usize = 2;
+/// Number of rings around the parents that the update of a Loop or Catmull–Clark wavelet may change; with one ring the
+/// condition of the basis is five times as large (Loop), or up to fifty times (Catmull–Clark, on a prism).
+const WIDE_RINGS: usize = 2;
+
+/// Largest relative error of the values at the coarse vertices that solving for Catmull–Clark's rule may leave.
+const EVEN_ERROR: f64 = 1e-12;
 
 /// Largest number of neighbors of a coarse vertex; the number of products of their functions is its square.
 const MAX_NEIGHBORS: usize = 1000;
@@ -22,8 +27,8 @@ const MAX_NEIGHBORS: usize = 1000;
 /// Wavelets of a mesh, prepared for many fields.
 ///
 /// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices; for
-/// [`Family::Loop`], c are the values from which subdivision makes the values of f there. P is the subdivision rule. U
-/// is the least squares solution on the rings of the parents of each midpoint, on two rings for Loop (see the module
+/// [`Family::Loop`] and [`Family::CatmullClark`], c are the values from which subdivision makes the values of f there. P is the subdivision rule. U
+/// is the least squares solution on the rings of the parents of each midpoint, on two rings for these families (see the module
 /// `update`). Every wavelet has integral 0, so that the mean of a field is the same on all levels.
 ///
 /// Each vertex has one coefficient: a detail of the level at which it is a midpoint, or a value on the coarsest level.
@@ -62,6 +67,26 @@ pub(crate) struct StepRule {
     pub(crate) even: Option<EvenRule>,
 }
 
+impl StepRule {
+    fn new(level: &HierarchyLevel, family: Family, hierarchy: &Hierarchy) -> Self {
+        let (prediction, even) = match family {
+            Family::Linear if hierarchy.is_of_quads() => (quad_stencils::linear(level), None),
+            Family::Linear => (stencils::linear(level), None),
+            Family::CatmullClark => {
+                let even = quad_stencils::even_rule(level, hierarchy.corners);
+                (quad_stencils::catmull_clark(level), Some(even))
+            }
+            Family::Loop => {
+                (stencils::loop_midpoints(level), Some(EvenRule::new(stencils::loop_neighbors(level))))
+            }
+            _ => (stencils::butterfly(level), None),
+        };
+        let n_rings = if even.is_some() { WIDE_RINGS } else { 1 };
+        let supports = stencils::parent_rings(level, n_rings);
+        Self { n_coarse: level.topology.n_vertices, prediction, supports, even }
+    }
+}
+
 impl LiftedWavelets {
     /// Prepares the wavelets of a hierarchy, for masses of the vertices (areas of any surface with these faces).
     ///
@@ -83,7 +108,20 @@ impl LiftedWavelets {
             };
             return Err(SubdivisionError::Family { family: family.name(), reason });
         }
+        let of_quads = hierarchy.is_of_quads();
+        if family != Family::Linear && of_quads != (family == Family::CatmullClark) {
+            let reason = if of_quads {
+                "is for triangles, and the mesh has quadrilaterals; use 'catmull-clark' or 'linear'"
+            } else {
+                "is for quadrilaterals, and the mesh has triangles; use 'butterfly', 'loop' or 'linear'"
+            };
+            return Err(SubdivisionError::Family { family: family.name(), reason });
+        }
         for level in &hierarchy.levels[1..] {
+            if let Some(corners) = level.topology.faces.iter().find(|corners| corners.len() > MAX_NEIGHBORS) {
+                let (vertex, n_neighbors) = (hierarchy.order[corners[0] as usize], corners.len());
+                return Err(SubdivisionError::Crowded { vertex, n_neighbors, most: MAX_NEIGHBORS });
+            }
             let n_neighbors = |v: &u32| level.topology.n_neighbors(*v);
             let most = (0..level.topology.n_vertices as u32).max_by_key(n_neighbors).unwrap_or(0);
             if n_neighbors(&most) > MAX_NEIGHBORS {
@@ -91,17 +129,15 @@ impl LiftedWavelets {
                 return Err(SubdivisionError::Crowded { vertex, n_neighbors, most: MAX_NEIGHBORS });
             }
         }
-        let rules = hierarchy.levels[1..].iter().map(|level| StepRule {
-            n_coarse: level.topology.n_vertices,
-            prediction: match family {
-                Family::Linear => stencils::linear(level),
-                Family::Loop => stencils::loop_midpoints(level),
-                _ => stencils::butterfly(level),
-            },
-            supports: stencils::parent_rings(level, if family == Family::Loop { LOOP_RINGS } else { 1 }),
-            even: (family == Family::Loop).then(|| EvenRule::new(stencils::loop_neighbors(level))),
-        });
-        Self::from_rules(family, hierarchy.order.clone(), rules, masses, progress)
+        let rules: Vec<StepRule> =
+            hierarchy.levels[1..].iter().map(|level| StepRule::new(level, family, hierarchy)).collect();
+        for (k, rule) in rules.iter().enumerate().filter(|_| family == Family::CatmullClark) {
+            let error = rule.even.as_ref().map_or(Ok(0.0), |even| even.measured_error(progress))?;
+            if error.is_nan() || error > EVEN_ERROR {
+                return Err(SubdivisionError::Singular { level: k + 1, error });
+            }
+        }
+        Self::from_rules(family, hierarchy.order.clone(), rules.into_iter(), masses, progress)
     }
 
     /// Prepares the wavelets of steps from fine to coarse, for an order of the vertices.
@@ -269,6 +305,29 @@ impl LiftedWavelets {
             step.synthesize(&mut field, n_channels, progress)?;
         }
         Ok(self.scatter(&field, n_channels))
+    }
+
+    /// Computes the field on the next finer level that a field on a coarser level represents, in the order of the
+    /// vertices of that level: one step of subdivision without details.
+    ///
+    /// # Errors
+    /// As for [`synthesize`](Self::synthesize), and [`SubdivisionError::Level`] for level 0 or one that does not exist.
+    pub fn next_field(
+        &self,
+        coarse: &[f64],
+        n_channels: usize,
+        level: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, SubdivisionError> {
+        self.check_level(level)?;
+        let Some(finer) = level.checked_sub(1) else {
+            return Err(SubdivisionError::Level { level, n_levels: self.n_levels() });
+        };
+        check_field(coarse, self.n_vertices_at(level), n_channels, "values of the vertices of the level")?;
+        let mut field = coarse.to_vec();
+        field.resize(self.n_vertices_at(finer) * n_channels, 0.0);
+        self.steps[finer].synthesize(&mut field, n_channels, progress)?;
+        Ok(if finer == 0 { self.scatter(&field, n_channels) } else { field })
     }
 
     fn check_level(&self, level: usize) -> Result<(), SubdivisionError> {

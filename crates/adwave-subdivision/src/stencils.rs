@@ -156,36 +156,49 @@ fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut V
     }
 }
 
+impl HierarchyLevel {
+    /// First half-edge of the coarse mesh at each midpoint.
+    pub(crate) fn half_edges(&self) -> Vec<u32> {
+        let mut half_edges = vec![NONE; self.parents.len()];
+        for (h, &midpoint) in (0..).zip(&self.midpoint_of) {
+            if midpoint != NONE {
+                let slot = &mut half_edges[midpoint as usize - self.topology.n_vertices];
+                *slot = h.min(*slot);
+            }
+        }
+        half_edges
+    }
+
+    /// Corners of the faces with face points.
+    fn cut_faces(&self) -> impl Iterator<Item = &[u32]> {
+        let centers = self.topology.faces.iter().zip(&self.face_points);
+        centers.filter(|(_, center)| **center != NONE).map(|(corners, _)| corners)
+    }
+}
+
 /// Builds the rows of the midpoints in their order, each from a half-edge of the coarse mesh.
 fn midpoint_rows(
     level: &HierarchyLevel,
     push: impl Fn(&Topology, u32, &mut Vec<Entry>),
 ) -> CompressedRows<f64> {
-    let topology = &level.topology;
-    let mut half_edges = vec![NONE; level.parents.len()];
-    for (h, &midpoint) in (0..).zip(&level.midpoint_of) {
-        if midpoint != NONE {
-            let slot = &mut half_edges[midpoint as usize - topology.n_vertices];
-            *slot = h.min(*slot);
-        }
-    }
     let mut rows = RowBuilder::new();
     let mut entries = Vec::new();
-    for half_edge in half_edges {
-        push(topology, half_edge, &mut entries);
+    for half_edge in level.half_edges() {
+        push(&level.topology, half_edge, &mut entries);
         rows.push_row(&mut entries);
     }
     rows.finish(level.topology.n_vertices)
 }
 
-/// Coarse vertices within `n_rings` edges of a parent of each midpoint: the support of its update.
+/// Coarse vertices within `n_rings` edges of a parent of each midpoint or face point, or within as many faces on
+/// quadrilaterals: the support of its update.
 pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> CompressedRows<f64> {
     let topology = &level.topology;
     let mut rows = RowBuilder::new();
     let (mut entries, mut support) = (Vec::new(), Vec::new());
-    for pair in &level.parents {
+    for parents in level.parents.iter().map(|pair| pair.as_slice()).chain(level.cut_faces()) {
         support.clear();
-        support.extend(*pair);
+        support.extend(parents);
         let mut first = 0;
         for _ in 0..n_rings {
             let end = support.len();
@@ -193,8 +206,15 @@ pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> Compressed
                 if topology.n_neighbors(support[k]) > MAX_RING {
                     continue;
                 }
-                let around = topology.ring(support[k]).map(|spoke| spoke.neighbor);
-                let new: Vec<u32> = around.filter(|w| !support.contains(w)).collect();
+                let mut new: Vec<u32> = topology.ring(support[k]).map(|spoke| spoke.neighbor).collect();
+                if !level.face_points.is_empty() {
+                    let faces = topology.faces_at(support[k]).into_iter();
+                    let corners = faces.map(|face| topology.faces.get(face as usize));
+                    new.extend(corners.filter(|corners| corners.len() <= MAX_RING).flatten());
+                    new.sort_unstable();
+                    new.dedup();
+                }
+                new.retain(|w| !support.contains(w));
                 support.extend(new);
             }
             first = end;

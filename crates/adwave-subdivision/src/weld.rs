@@ -1,9 +1,11 @@
 //! Welding of vertices at equal positions.
 
-use crate::{SubdivisionError, triangles_of};
-use adwave::shape::{Mesh, VertexMap, WeldMode};
+use crate::topology::renamed;
+use crate::{BorderCorners, Hierarchy, QuadParams, SubdivisionError};
+use adwave::Progress;
+use adwave::shape::{Mesh, Polygons, VertexMap, WeldMode, triangulate};
 
-/// Triangle mesh in which vertices at equal positions are one vertex. Files split vertices along the seams of a
+/// Mesh in which vertices at equal positions are one vertex. Files split vertices along the seams of a
 /// texture, and a seam must not cut a hierarchy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WeldedMesh {
@@ -11,26 +13,24 @@ pub struct WeldedMesh {
     pub of_vertex: Vec<u32>,
     /// First vertex of the mesh at each welded vertex, increasing.
     pub vertices: Vec<u32>,
-    /// Triangles, as welded vertices.
+    /// Faces, as welded vertices.
+    pub faces: Polygons,
+    /// Triangles of the faces, as welded vertices: the faces themselves if all are triangles.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl WeldedMesh {
-    /// Welds the vertices of a mesh of triangles. O(n log n).
-    ///
-    /// # Errors
-    /// [`SubdivisionError::NotTriangle`] if a face has more or fewer than three corners.
+    /// Welds the vertices of a mesh. O(n log n).
     ///
     /// ```
     /// use adwave::shape::{Mesh, Polygons};
     /// let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0; 3]];
     /// let mesh = Mesh::new(points, Polygons::from_triangles(&[[3, 1, 2]]))?;
-    /// let welded = adwave_subdivision::WeldedMesh::new(&mesh)?;
+    /// let welded = adwave_subdivision::WeldedMesh::new(&mesh);
     /// assert_eq!((welded.vertices, welded.triangles), (vec![0, 1, 2], vec![[0, 1, 2]]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(mesh: &Mesh) -> Result<Self, SubdivisionError> {
-        let triangles = triangles_of(mesh.faces())?;
+    pub fn new(mesh: &Mesh) -> Self {
         let map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);
         let (mut places, mut vertices) = (vec![u32::MAX; map.n_welded()], Vec::with_capacity(map.n_welded()));
         let place = |v: usize| {
@@ -42,8 +42,40 @@ impl WeldedMesh {
             *place
         };
         let of_vertex: Vec<u32> = (0..mesh.points().len()).map(place).collect();
-        let triangles = triangles.iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
-        Ok(Self { of_vertex, vertices, triangles })
+        let faces = renamed(mesh.faces(), |v| of_vertex[v as usize]);
+        let triangles = match faces.triangles() {
+            Some(triangles) => triangles.to_vec(),
+            None => {
+                let points: Vec<[f64; 3]> = vertices.iter().map(|&v| mesh.points()[v as usize]).collect();
+                triangulate(&points, &faces)
+            }
+        };
+        Self { of_vertex, vertices, faces, triangles }
+    }
+
+    /// Finds the levels of the mesh: those of triangles, or of polygons with the positions and these creases, which are
+    /// pairs of vertices of the mesh.
+    ///
+    /// # Errors
+    /// As for [`Hierarchy::from_faces`].
+    pub fn hierarchy(
+        &self,
+        mesh: &Mesh,
+        creases: &[[u32; 2]],
+        corners: BorderCorners,
+        progress: Progress<'_>,
+    ) -> Result<Hierarchy, SubdivisionError> {
+        let points = self.points(mesh);
+        let n_vertices = mesh.points().len();
+        for &[a, b] in creases {
+            if a.max(b) as usize >= n_vertices {
+                return Err(SubdivisionError::NoEdge { a, b });
+            }
+        }
+        let creases: Vec<[u32; 2]> =
+            creases.iter().map(|pair| pair.map(|v| self.of_vertex[v as usize])).collect();
+        let params = QuadParams { points: Some(&points), creases: &creases, corners };
+        Hierarchy::from_faces(points.len(), &self.faces, &params, progress)
     }
 
     /// Positions of the welded vertices.

@@ -93,7 +93,7 @@ impl Random {
         self.next() as f64 / (1_u64 << 31) as f64
     }
 
-    fn shuffle<T>(&mut self, values: &mut [T]) {
+    pub(crate) fn shuffle<T>(&mut self, values: &mut [T]) {
         for k in (1..values.len()).rev() {
             values.swap(k, self.below(k + 1));
         }

@@ -5,4 +5,5 @@ mod common;
 mod families;
 mod hierarchy;
 mod irregular;
+mod quads;
 mod real;
