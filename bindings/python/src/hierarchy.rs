@@ -5,7 +5,11 @@ use crate::call::run;
 use crate::error::{StageError, stage, value_error};
 use crate::shape::ShapeData;
 use adwave::shape::{Mesh, MeshArea, Shape, mesh_areas};
-use adwave_subdivision::{Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, WeldedMesh};
+use adwave_deform::{EditedLevel, with_level};
+use adwave_subdivision::{
+    BorderCorners, Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, WeldedMesh,
+    sharp_edges,
+};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -19,7 +23,7 @@ fn welded_mesh(shape: &Shape) -> PyResult<&Mesh> {
     match shape {
         Shape::Mesh(mesh) => Ok(mesh),
         Shape::Cloud(_) | Shape::Graph(_) => {
-            Err(value_error("a hierarchy needs a mesh of triangles; give faces, as in (points, faces)"))
+            Err(value_error("a hierarchy needs a mesh; give faces, as in (points, faces)"))
         }
     }
 }
@@ -34,12 +38,30 @@ pub(crate) struct HierarchyData {
 #[pymethods]
 impl HierarchyData {
     #[new]
-    #[pyo3(signature = (shape, progress=None))]
-    fn new(py: Python<'_>, shape: &Bound<'_, ShapeData>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+    #[pyo3(signature = (shape, creases, angle, corners, progress=None))]
+    fn new(
+        py: Python<'_>,
+        shape: &Bound<'_, ShapeData>,
+        creases: Option<PyReadonlyArray2<'_, u32>>,
+        angle: Option<f64>,
+        corners: &str,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
         let mesh = welded_mesh(shape.get().shape(py)?)?;
+        let corners: BorderCorners =
+            corners.parse().map_err(|e: adwave::UnknownName| value_error(e.to_string()))?;
+        let given: Vec<[u32; 2]> = match &creases {
+            Some(pairs) => arrays::rows(pairs, "creases")?.as_chunks().0.to_vec(),
+            None => Vec::new(),
+        };
         run(py, mesh.points().len(), progress.as_ref(), |p| {
-            let welded = stage(WeldedMesh::new(mesh))?;
-            let hierarchy = stage(Hierarchy::new(welded.vertices.len(), &welded.triangles, p))?;
+            let welded = WeldedMesh::new(mesh);
+            let mut creases = given.clone();
+            if let Some(angle) = angle {
+                let sharp = stage(sharp_edges(&welded.points(mesh), &welded.faces, angle, p))?;
+                creases.extend(sharp.into_iter().map(|pair| pair.map(|v| welded.vertices[v as usize])));
+            }
+            let hierarchy = stage(welded.hierarchy(mesh, &creases, corners, p))?;
             Ok::<_, StageError>(Self { hierarchy, welded })
         })
     }
@@ -62,22 +84,69 @@ impl HierarchyData {
         Ok(arrays::vector(py, vertices).into_any())
     }
 
-    /// Faces of a level as its vertices.
-    fn faces<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
-        let triangles = self.hierarchy.triangles(level).map_err(|e| value_error(e.to_string()))?;
+    /// Starts of the faces of a level in the list of corners, and the corners as its vertices.
+    fn faces<'py>(&self, py: Python<'py>, level: usize) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let faces = self.hierarchy.faces(level).map_err(|e| value_error(e.to_string()))?;
         let of_mesh = |v: u32| if level == 0 { self.welded.vertices[v as usize] } else { v };
-        let corners = triangles.into_iter().flat_map(|t| t.map(of_mesh)).collect();
+        let (starts, corners) = faces.into_parts();
+        let corners = corners.into_iter().map(of_mesh).collect();
+        Ok((arrays::vector(py, starts).into_any(), arrays::vector(py, corners).into_any()))
+    }
+
+    /// Corners of the triangles of the mesh, for areas.
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let corners = self.welded.triangles.as_flattened();
+        let corners = corners.iter().map(|&v| self.welded.vertices[v as usize]).collect();
         Ok(arrays::matrix(py, corners, 3)?.into_any())
     }
 
-    /// Parents of each vertex of a level, as vertices of the next one.
-    fn parents<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
-        let parents = self.hierarchy.parents(level).map_err(|e| value_error(e.to_string()))?;
-        let parents: Vec<u32> = match level {
-            0 => self.welded.of_vertex.iter().flat_map(|&v| parents[v as usize]).collect(),
-            _ => parents.into_flattened(),
+    /// True if the levels are those of quadrilaterals.
+    fn of_quads(&self) -> bool {
+        self.hierarchy.is_of_quads()
+    }
+
+    /// Starts of the parents of each vertex of a level, and the parents as vertices of the next one.
+    fn parents<'py>(
+        &self,
+        py: Python<'py>,
+        level: usize,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (starts, parents) = self.hierarchy.parent_rows(level).map_err(|e| value_error(e.to_string()))?;
+        let rows = |v: usize| &parents[starts[v] as usize..starts[v + 1] as usize];
+        let places: Vec<usize> = match level {
+            0 => self.welded.of_vertex.iter().map(|&v| v as usize).collect(),
+            _ => (0..starts.len() - 1).collect(),
         };
-        Ok(arrays::matrix(py, parents, 2)?.into_any())
+        let (mut own_starts, mut own) = (vec![0], Vec::<u32>::with_capacity(parents.len()));
+        for place in places {
+            own.extend(rows(place));
+            own_starts.push(own.len() as u32);
+        }
+        Ok((arrays::vector(py, own_starts).into_any(), arrays::vector(py, own).into_any()))
+    }
+
+    /// The mesh that belongs to the positions of an edited level, with the detail of finer levels.
+    fn with_level<'py>(
+        &self,
+        py: Python<'py>,
+        shape: &Bound<'_, ShapeData>,
+        wavelets: &Bound<'_, WaveletData>,
+        level: usize,
+        edited: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mesh = welded_mesh(shape.get().shape(py)?)?;
+        let Wavelets::Vertices(wavelets) = &wavelets.get().wavelets else {
+            return Err(value_error(
+                "family 'haar' has one value per face; levels of positions need another one",
+            ));
+        };
+        let edited = arrays::points(&edited, "points")?;
+        let points = run(py, mesh.points().len(), None, |p| {
+            let edited = EditedLevel { level, points: edited };
+            let found = stage(with_level(&self.hierarchy, wavelets, &self.welded.points(mesh), &edited, p))?;
+            Ok::<_, StageError>(self.welded.scatter(found.as_flattened(), 3))
+        })?;
+        Ok(arrays::matrix(py, points, 3)?.into_any())
     }
 
     /// Number of levels and of vertices of each connected part.
@@ -128,7 +197,7 @@ impl WaveletData {
         };
         let hierarchy = hierarchy.map(|found| &found.get().hierarchy);
         run(py, mesh.points().len(), progress.as_ref(), |p| {
-            let welded = stage(WeldedMesh::new(mesh))?;
+            let welded = WeldedMesh::new(mesh);
             let at_welded = |points: &[[f64; 3]]| -> Vec<[f64; 3]> {
                 welded.vertices.iter().map(|&v| points[v as usize]).collect()
             };

@@ -98,3 +98,84 @@ def test_labels_stay_labels_and_means_over_cells_stay_in_range():
     assert np.array_equal(h.down(z > 0, 1)[far], (z[h.vertices(1)] > 0)[far])
     with pytest.raises(ValueError, match=r"levels of any mesh have no cells"):
         aw.hierarchy(ball(), kind="irregular").down(labels, 1)
+
+
+def shuffled(shape: aw.Shape, seed: int = 3) -> tuple[aw.Shape, np.ndarray]:
+    """The mesh in another order of vertices and faces, and the new place of each vertex."""
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(shape.n_vertices)
+    place = np.argsort(order)
+    offsets, corners = shape.polygons()
+    faces = np.split(place[corners], offsets[1:-1])
+    faces = [np.roll(faces[k], rng.integers(4)) for k in rng.permutation(len(faces))]
+    return aw.Shape(np.array(shape.points)[order], faces), place
+
+
+def house() -> aw.Shape:
+    """A box without floor, with a roof of triangles."""
+    points = [[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)] + [[0.1, 0, 2]]
+    walls = [[0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    return aw.Shape(points, [*walls, [4, 5, 8], [5, 7, 8], [7, 6, 8], [6, 4, 8]])
+
+
+@pytest.mark.parametrize("family", ["catmull-clark", "linear"])
+def test_quadrilaterals_come_back_to_their_control_mesh(family):
+    control = house()
+    shape, place = shuffled(aw.subdivide(control, 3, family=family))
+    h = aw.hierarchy(shape)
+    assert h.levels == 3 and h.sizes[-1] == 9
+    coarse = h.shape(3, family=family)
+    assert sorted(np.diff(coarse.polygons()[0])) == [3, 3, 3, 3, 4, 4, 4, 4]
+    found = np.empty((shape.n_vertices, 3))
+    found[h.vertices(3)] = coarse.points
+    assert np.abs(found[place[:9]] - control.points).max() < 1e-12
+    c = h.analyze(shape.points, family=family)
+    assert np.abs(c.array[c.levels <= 3]).max() < 1e-12
+    assert np.abs(c.synthesize() - shape.points).max() < 1e-13
+    labels = (np.array(shape.points)[:, 2] > 0).astype(int)
+    assert set(np.unique(h.down(labels, 2))) == {0, 1}
+    by_cells = h.down(np.array(shape.points)[:, 0], 1, by="cells")
+    assert by_cells.shape == (h.sizes[1],) and np.abs(by_cells).max() <= np.abs(shape.points).max()
+    parents = h.parents[2]
+    assert parents.shape == (h.sizes[2], 4)
+    assert sorted((parents >= 0).sum(axis=1))[:9] == [1] * 9 and ((parents >= 0).sum(axis=1) == 3).sum() == 4
+
+
+def test_creases_and_corners_are_kept():
+    control = house()
+    fine = aw.subdivide(control, 2, family="catmull-clark")
+    plain = aw.hierarchy(fine)
+    sharp = aw.hierarchy(fine, creases=25.0)
+    fixed = aw.hierarchy(fine, corners="sharp")
+    assert plain.sizes == sharp.sizes == fixed.sizes
+    details = [np.abs((c := h.analyze(fine.points)).array[c.levels <= 2]).max() for h in (plain, sharp)]
+    assert details[0] < 1e-12 < details[1]
+    offsets, corners = fine.polygons()
+    edge = corners[:2].astype(int)
+    assert aw.hierarchy(fine, creases=[edge]).sizes == plain.sizes
+    for creases, text in [([[0, 1]], "no edge"), (200.0, "0 to 180"), ([[0.5, 1]], "integers"), ([[-1, 1]], "range")]:
+        with pytest.raises(ValueError, match=text):
+            aw.hierarchy(fine, creases=creases)
+    with pytest.raises(ValueError, match="quadrilaterals"):
+        aw.hierarchy(ball(), creases=30.0)
+    with pytest.raises(ValueError, match="corners must be"):
+        aw.hierarchy(fine, corners="round")
+
+
+def test_an_edited_level_carries_its_detail():
+    rng = np.random.default_rng(0)
+    fine = aw.subdivide(house(), 3, family="catmull-clark")
+    bumpy = aw.Shape(np.array(fine.points) + 0.02 * rng.standard_normal((fine.n_vertices, 3)), fine_faces(fine))
+    h = aw.hierarchy(bumpy)
+    turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    for level in (1, 2, 3):
+        base = np.array(h.shape(level, family="catmull-clark").points)
+        assert np.array_equal(h.with_level(base, level), bumpy.points)
+        assert np.abs(h.with_level(base @ turn.T + 2, level) - (np.array(bumpy.points) @ turn.T + 2)).max() < 1e-12
+    with pytest.raises(ValueError, match="level 1 has"):
+        h.with_level(base, 1)
+
+
+def fine_faces(shape: aw.Shape) -> np.ndarray:
+    return np.array(shape.polygons()[1]).reshape(-1, 4)

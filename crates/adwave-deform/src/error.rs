@@ -2,6 +2,7 @@
 
 use adwave::bands::BandsError;
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
+use adwave_subdivision::SubdivisionError;
 use thiserror::Error;
 
 /// Failure of a deformation, or of carrying detail to another base.
@@ -124,6 +125,22 @@ pub enum DeformError {
     /// The bands cannot be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
+    /// The levels of the mesh or their wavelets cannot be computed.
+    #[error(transparent)]
+    Subdivision(#[from] SubdivisionError),
+    /// An edited level has another number of vertices.
+    #[error(
+        "level {level} has {expected} vertices, and the edited one has {found}; \
+         keep their number and order, without merging"
+    )]
+    WrongLevel {
+        /// The level, from 1.
+        level: usize,
+        /// Vertices of the level.
+        expected: usize,
+        /// Vertices given.
+        found: usize,
+    },
     /// The equations of the nodes cannot be solved.
     #[error(
         "the equations of the deformation cannot be solved ({0}); check the shape for equal or far points"
@@ -145,6 +162,7 @@ impl ClassifiedError for DeformError {
         match self {
             Self::Cancelled(error) => error.kind(),
             Self::Bands(error) => error.kind(),
+            Self::Subdivision(error) => error.kind(),
             _ => ErrorKind::Input,
         }
     }

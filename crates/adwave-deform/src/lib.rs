@@ -5,6 +5,7 @@
 //! | bend a shape by handles | [`Deformer`] |
 //! | bend a shape by the pose of a recipe | [`bind_pose`] |
 //! | put detail onto a base that was edited elsewhere | [`with_base`], [`base_points`] |
+//! | put detail onto an edited level of subdivision | [`with_level`] |
 //! | carry detail onto another mesh of the surface | [`transfer`](fn@transfer) |
 //! | clone detail from place to place | [`transplant`](fn@transplant) |
 //! | blend two shapes with the same faces, band by band | [`morph`](fn@morph) |
@@ -21,7 +22,7 @@
 //! | `deformer`, `pose` | the bound deformation; that of a recipe |
 //! | `clones` | the clones of a recipe |
 //! | `frames`, `surface_frames` | rotations between bases, normals of a base |
-//! | `carried_detail`, `transfer`, `transplant`, `morph` | detail on other bases |
+//! | `carried_detail`, `level_edit`, `transfer`, `transplant`, `morph` | detail on other bases |
 
 mod carried_detail;
 mod clones;
@@ -31,6 +32,7 @@ mod error;
 mod frames;
 mod front;
 mod handle_motion;
+mod level_edit;
 mod morph;
 mod newton;
 mod node_energy;
@@ -49,6 +51,7 @@ pub use deformer::{BindInfo, CarriedVertex, DeformInfo, DeformParams, Deformer};
 pub use error::DeformError;
 pub use frames::{Turn, nearest_turn};
 pub use handle_motion::HandleMotion;
+pub use level_edit::{EditedLevel, with_level};
 pub use morph::morph;
 pub use pose::{bind_pose, set_pose};
 pub use regions::DeformRegions;

@@ -83,7 +83,8 @@ pub enum Obstacle {
 pub enum SubdivisionError {
     /// A face is not a triangle.
     #[error(
-        "this needs triangles, and face {face} has {n_corners} corners; families 'catmull-clark' and 'linear' take quadrilaterals"
+        "this needs triangles, and face {face} has {n_corners} corners; \
+         families 'catmull-clark' and 'linear' take quadrilaterals"
     )]
     NotTriangle {
         /// Index of the face.
@@ -114,7 +115,8 @@ pub enum SubdivisionError {
     PairsOfQuads,
     /// The rule for coarse vertices has no usable inverse on a level.
     #[error(
-        "Catmull-Clark subdivision of level {level} loses values that no coarse mesh can restore (error {error:.0e}, at vertices of          two or three faces); use family 'linear'"
+        "Catmull-Clark subdivision of level {level} loses values at vertices of two or three faces (error {error:.0e}); \
+         use family 'linear'"
     )]
     Singular {
         /// The coarser level, from 1.

@@ -2,11 +2,11 @@
 //!
 //! Both rules move the coarse vertices too: `f = E·c` with `E c(v) = c(v) + Σ β(v)·(c(w) − c(v))`.
 //!
-//! Loop subdivision: vertices on a border occur in the rows of others, but their own rows have only neighbors on the border. Both blocks, divided by
-//! their β, are symmetric and positive definite. Inside, the spectrum of the rows divided by their diagonals lies
-//! between 1 − max (nβ/2)/(1 − nβ) and 1 + max nβ/(1 − nβ), since Σ (x_a + x_b + x_c)² ≥ 0 over the faces; on a border
-//! it lies between 2/3 and 4/3. Chebyshev's iteration with these bounds needs a fixed number of steps, and no sums over
-//! all vertices.
+//! Loop subdivision: vertices on a border occur in the rows of others, but their own rows have only neighbors on the
+//! border. Both blocks, divided by their β, are symmetric and positive definite. Inside, the spectrum of the rows
+//! divided by their diagonals lies between 1 − max (nβ/2)/(1 − nβ) and 1 + max nβ/(1 − nβ), since Σ (x_a + x_b + x_c)²
+//! ≥ 0 over the faces; on a border it lies between 2/3 and 4/3. Chebyshev's iteration with these bounds needs a fixed
+//! number of steps, and no sums over all vertices.
 //!
 //! Catmull–Clark subdivision has no such bounds at vertices of two or three faces, and sharp edges that end inside the
 //! surface make its rows unsymmetric. BiCGSTAB (`vandervorst1992`) solves for each channel on its own; its sums are

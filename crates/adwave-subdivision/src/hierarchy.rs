@@ -366,8 +366,8 @@ impl Hierarchy {
     /// of a midpoint, or twice the vertex itself if it remains.
     ///
     /// # Errors
-    /// [`SubdivisionError::Level`] if there is no next level, [`SubdivisionError::PairsOfQuads`] for quadrilaterals, whose
-    /// face points have more parents ([`parent_rows`](Self::parent_rows)).
+    /// [`SubdivisionError::Level`] if there is no next level, [`SubdivisionError::PairsOfQuads`] for quadrilaterals,
+    /// whose face points have more parents ([`parent_rows`](Self::parent_rows)).
     pub fn parents(&self, level: usize) -> Result<Vec<[u32; 2]>, SubdivisionError> {
         self.check_has_next(level)?;
         if self.is_of_quads() {

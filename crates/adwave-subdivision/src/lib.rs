@@ -1,9 +1,9 @@
 //! Subdivision hierarchies of meshes, and wavelets by lifting.
 //!
-//! A mesh that was made by cutting triangles into four, or polygons into quadrilaterals, has exact coarser levels, which
-//! [`Hierarchy`] finds for any order of its vertices and faces. [`LiftedWavelets`] split a field at the vertices into as many coefficients as it
-//! has values, with one of the families of [`Family`]; [`HaarWavelets`] do so for a field at the faces.
-//! [`LiftedWavelets::new_irregular`] makes levels for any other mesh.
+//! A mesh that was made by cutting triangles into four, or polygons into quadrilaterals, has exact coarser levels,
+//! which [`Hierarchy`] finds for any order of its vertices and faces. [`LiftedWavelets`] split a field at the vertices
+//! into as many coefficients as it has values, with one of the families of [`Family`]; [`HaarWavelets`] do so for a
+//! field at the faces. [`LiftedWavelets::new_irregular`] makes levels for any other mesh.
 //!
 //! | module | content |
 //! |---|---|

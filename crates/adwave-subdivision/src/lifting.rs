@@ -27,9 +27,10 @@ const MAX_NEIGHBORS: usize = 1000;
 /// Wavelets of a mesh, prepared for many fields.
 ///
 /// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices; for
-/// [`Family::Loop`] and [`Family::CatmullClark`], c are the values from which subdivision makes the values of f there. P is the subdivision rule. U
-/// is the least squares solution on the rings of the parents of each midpoint, on two rings for these families (see the module
-/// `update`). Every wavelet has integral 0, so that the mean of a field is the same on all levels.
+/// [`Family::Loop`] and [`Family::CatmullClark`], c are the values from which subdivision makes the values of f there.
+/// P is the subdivision rule. U is the least squares solution on the rings of the parents of each midpoint, on two
+/// rings for these families (see the module `update`). Every wavelet has integral 0, so that the mean of a field is the
+/// same on all levels.
 ///
 /// Each vertex has one coefficient: a detail of the level at which it is a midpoint, or a value on the coarsest level.
 #[derive(Clone, Debug)]

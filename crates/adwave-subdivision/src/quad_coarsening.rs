@@ -1,9 +1,9 @@
 //! One step to a coarser level of a mesh of quadrilaterals: coarse vertices, edge points, face points, coarse faces.
 //!
 //! Subdivision cuts a face of n corners into n quadrilaterals around a new point in its middle, each with the corners
-//! coarse vertex, edge point, face point, edge point. So the roles of the corners of one face give those of all faces of
-//! its part, in O(n) and in four ways at most: each corner of the first face may be the coarse vertex. An edge point has
-//! four neighbors, on a border three; a face point lies inside and has as many neighbors as its face has corners.
+//! coarse vertex, edge point, face point, edge point. So the roles of the corners of one face give those of all faces
+//! of its part, in O(n) and in four ways at most: each corner of the first face may be the coarse vertex. An edge point
+//! has four neighbors, on a border three; a face point lies inside and has as many neighbors as its face has corners.
 
 use crate::Obstacle;
 use crate::coarsening::Coarsening;

@@ -1,5 +1,5 @@
-//! Subdivision rules on quadrilaterals: weights of the coarse vertices at midpoints and face points, and Catmull–Clark's
-//! rule for coarse vertices (`catmull1978`; on borders and sharp edges `derose1998`).
+//! Subdivision rules on quadrilaterals: weights of the coarse vertices at midpoints and face points, and
+//! Catmull–Clark's rule for coarse vertices (`catmull1978`; on borders and sharp edges `derose1998`).
 
 use crate::BorderCorners;
 use crate::even_solve::EvenRule;
@@ -59,8 +59,8 @@ fn new_rows(level: &HierarchyLevel, push: impl Fn(&Topology, u32, &mut Vec<Entry
 }
 
 /// Catmull–Clark's rule for coarse vertices of n faces and edges: `(F̄ + 2R̄ + (n − 3)·v)/n`, with the means F̄ of the
-/// face points and R̄ of the midpoints; `(a + 6v + b)/8` with two sharp edges to a and b, and v itself with more. Rows of
-/// vertices in parts without a coarser level are empty.
+/// face points and R̄ of the midpoints; `(a + 6v + b)/8` with two sharp edges to a and b, and v itself with more. Rows
+/// of vertices in parts without a coarser level are empty.
 pub(crate) fn even_rule(level: &HierarchyLevel, corners: BorderCorners) -> EvenRule {
     let topology = &level.topology;
     let mut is_active = vec![false; topology.n_vertices];

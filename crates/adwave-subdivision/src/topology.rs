@@ -1,7 +1,7 @@
 //! Faces and the partner of each half-edge, for meshes whose edges have at most two faces.
 //!
-//! A half-edge is a place in the list of all corners and runs from that corner to the next one of its face. Faces may have any orientation: walks around a
-//! vertex go from edge to edge and do not depend on the front side.
+//! A half-edge is a place in the list of all corners and runs from that corner to the next one of its face. Faces may
+//! have any orientation: walks around a vertex go from edge to edge and do not depend on the front side.
 
 use crate::SubdivisionError;
 use adwave::Progress;

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from adwave._part import PartOptions
 
-Family = Literal["butterfly", "linear", "loop", "haar", "irregular"]
-_HIERARCHY = ("kind", "areas", "progress")
+Family = Literal["butterfly", "linear", "loop", "catmull-clark", "haar", "irregular"]
+_HIERARCHY = ("kind", "areas", "creases", "corners", "progress")
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,8 @@ class Hierarchy:
         Number of vertices of each level, of the mesh first.
     parents : tuple of (n_k, 2) arrays of int
         For each level but the coarsest, the parents of each vertex as vertices of the next level: the ends of the edge
-        that was cut, or a vertex that stays, twice. Empty for levels of any mesh.
+        that was cut, or a vertex that stays, twice. For quadrilaterals (n_k, m): the corners of a face for the vertex in its
+        middle, the ends of an edge, or a vertex that stays; the rest of a row is -1. Empty for levels of any mesh.
     parts : list of (int, int)
         Number of levels and of vertices of each connected part; empty for levels of any mesh.
 
@@ -120,10 +121,12 @@ class Hierarchy:
 
     levels: int
     sizes: tuple[int, ...]
-    parents: tuple[NDArray[np.uint32], ...]
+    parents: tuple[NDArray[Any], ...]
     parts: list[tuple[int, int]]
 
-    def __init__(self, shape: Shape, kind: str, areas: Union[NDArray[np.float64], None], report: object) -> None:
+    def __init__(
+        self, shape: Shape, kind: str, areas: Union[NDArray[np.float64], None], sharp: _Sharp, report: object
+    ) -> None:
         self._shape = shape
         self._areas = areas
         self._wavelets: dict[str, _native.WaveletData] = {}
@@ -132,9 +135,10 @@ class Hierarchy:
             own = self._family("irregular")
             self.sizes, self.parents, self.parts = tuple(own.sizes()), (), []
         else:
-            self._data = _native.HierarchyData(shape._data, report)  # type: ignore[arg-type]
+            self._data = _native.HierarchyData(shape._data, sharp.pairs, sharp.angle, sharp.corners, report)  # type: ignore[arg-type]
             self.sizes = tuple(self._data.sizes())
-            self.parents = tuple(self._data.parents(level) for level in range(len(self.sizes) - 1))
+            rows = (self._data.parents(level) for level in range(len(self.sizes) - 1))
+            self.parents = tuple(_padded(*row) if self._data.of_quads() else _pairs(*row) for row in rows)
             self.parts = [(n_levels, n_vertices) for n_levels, n_vertices in self._data.parts()]
         self.levels = len(self.sizes) - 1
 
@@ -151,8 +155,16 @@ class Hierarchy:
         """
         return (self._data or self._family("irregular")).vertices(self._check(level))
 
-    def shape(self, level: int) -> Shape:
-        """The mesh of a level, by the vertices of the mesh.
+    def shape(self, level: int, *, family: Union[Family, None] = None) -> Shape:
+        """The mesh of a level, with faces of any number of corners.
+
+        Parameters
+        ----------
+        level : int
+            The level.
+        family : {'butterfly', 'linear', 'loop', 'catmull-clark'}, optional
+            Family whose wavelets are left out, which moves the vertices to where this subdivision would begin; by default
+            the vertices stay where they are in the mesh.
 
         Raises
         ------
@@ -163,7 +175,48 @@ class Hierarchy:
             return self._shape
         if self._data is None:
             raise ValueError("levels of any mesh have no faces; aw.simplify makes coarser meshes of any mesh")
-        return Shape(self._shape.points[self.vertices(level)], self._data.faces(level))
+        points = np.array(self._shape.points)
+        points = points[self.vertices(level)] if family is None else self.down(points, level, family=family)
+        offsets, corners = self._data.faces(level)
+        sizes = np.diff(offsets.astype(np.int64))
+        if (sizes == 3).all():
+            return Shape(points, corners.reshape(-1, 3))
+        return Shape(points, np.split(corners.astype(np.int64), offsets[1:-1].astype(np.int64)))
+
+    def with_level(self, points: ArrayLike, level: int, *, family: Union[Family, None] = None) -> NDArray[np.float64]:
+        """Positions of the mesh after an edit of a level; the detail of all finer levels turns with its surroundings.
+
+        Unchanged positions give those of the mesh, and a level moved as a whole gives the mesh moved.
+
+        Parameters
+        ----------
+        points : (n_level, 3) array_like
+            Edited positions of ``shape(level, family=...)``, in its order.
+        level : int
+            The level, at least 1.
+        family : {'butterfly', 'linear', 'loop', 'catmull-clark'}, optional
+            Family of the subdivision; catmull-clark by default on quadrilaterals, and else butterfly.
+
+        Raises
+        ------
+        ValueError
+            If the level does not exist, or has another number of vertices.
+
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> mesh = aw.Shape([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+        >>> h = aw.hierarchy(aw.subdivide(mesh, 3))
+        >>> coarse = np.array(h.shape(2, family="loop").points)
+        >>> bool(np.abs(h.with_level(coarse + 1, 2, family="loop") - h.shape(0).points - 1).max() < 1e-12)
+        True
+        """
+        if self._data is None:
+            raise ValueError("levels of any mesh have no faces; bands.with_base edits the base of any mesh")
+        edited = np.ascontiguousarray(points, dtype=np.float64)
+        if edited.ndim != 2 or edited.shape[1] != 3:
+            raise ValueError(f"points must be an array of shape (n, 3), got {edited.shape}")
+        return self._data.with_level(self._shape._data, self._family(family), self._check(level), edited)
 
     def down(
         self,
@@ -185,8 +238,8 @@ class Hierarchy:
             One value, or several, for each vertex of the mesh.
         level : int
             The level.
-        family : {'butterfly', 'linear', 'loop'}, optional
-            Family of the wavelets that are left out; butterfly by default.
+        family : {'butterfly', 'linear', 'loop', 'catmull-clark'}, optional
+            Family of the wavelets that are left out; catmull-clark by default on quadrilaterals, and else butterfly.
         by : {'wavelets', 'cells', 'labels'}, optional
             ``'cells'`` averages over the cells of the vertices of the level: a vertex of the mesh belongs to its parents in equal
             shares. By default ``'labels'`` for integers, and else ``'wavelets'``.
@@ -237,8 +290,8 @@ class Hierarchy:
             One value, or several, for each vertex of the level.
         level : int
             The level.
-        family : {'butterfly', 'linear', 'loop'}, optional
-            Family of the subdivision; butterfly by default.
+        family : {'butterfly', 'linear', 'loop', 'catmull-clark'}, optional
+            Family of the subdivision; catmull-clark by default on quadrilaterals, and else butterfly.
 
         Raises
         ------
@@ -267,11 +320,9 @@ class Hierarchy:
             )
         shares: Any = csr_array((np.ones(self.sizes[0]), np.arange(self.sizes[0]), np.arange(self.sizes[0] + 1)))
         for k in range(level):
-            parents = self.parents[k].astype(np.int64)
-            n = len(parents)
-            halves = (np.full(2 * n, 0.5), parents.ravel(), np.arange(0, 2 * n + 1, 2))
-            step: Any = csr_array(halves, shape=(n, self.sizes[k + 1]))
-            step.sum_duplicates()
+            starts, parents = (array.astype(np.int64) for array in self._data.parents(k))
+            n, counts = len(starts) - 1, np.diff(starts)
+            step: Any = csr_array((np.repeat(1.0 / counts, counts), parents, starts), shape=(n, self.sizes[k + 1]))
             shares = shares @ step
         return shares
 
@@ -279,7 +330,7 @@ class Hierarchy:
         """Third of the area of the triangles at each vertex of the mesh; equal shares on a mesh without area."""
         assert self._data is not None
         points = np.asarray(self._shape.points if self._areas is None else self._areas)[self.vertices(0)]
-        faces = np.asarray(self._data.faces(0), dtype=np.int64)
+        faces = np.asarray(self._data.triangles(), dtype=np.int64)
         a, b, c = (points[faces[:, k]] for k in range(3))
         thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
         areas = np.bincount(faces.ravel(), np.repeat(thirds, 3), self.sizes[0])
@@ -294,8 +345,9 @@ class Hierarchy:
         ----------
         field : (n,) or (n, channels) array_like
             One value, or several, for each vertex; for haar, for each face.
-        family : {'butterfly', 'linear', 'loop', 'haar'}, optional
-            Family of the wavelets; butterfly by default, and irregular on levels of any mesh.
+        family : {'butterfly', 'linear', 'loop', 'catmull-clark', 'haar'}, optional
+            Family of the wavelets; catmull-clark by default on quadrilaterals, irregular on levels of any mesh, and else
+            butterfly.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
@@ -313,7 +365,8 @@ class Hierarchy:
 
     def _family(self, family: Union[str, None]) -> _native.WaveletData:
         """Prepared wavelets of a family."""
-        own = "irregular" if self._data is None else "butterfly"
+        of_quads = self._data is not None and self._data.of_quads()
+        own = "irregular" if self._data is None else "catmull-clark" if of_quads else "butterfly"
         name = own if family is None else family
         if (name == "irregular") != (self._data is None):
             levels = "any mesh (kind='irregular')" if self._data is None else "subdivision"
@@ -336,20 +389,30 @@ def hierarchy(
     *,
     kind: Literal["subdivision", "irregular"] = "subdivision",
     areas: object = None,
+    creases: Union[ArrayLike, float, None] = None,
+    corners: Literal["smooth", "sharp"] = "smooth",
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
 ) -> Hierarchy:
-    """Levels of a mesh that was made by cutting triangles into four, in any order of vertices and faces.
+    """Levels of a mesh that was made by cutting triangles into four, or polygons into quadrilaterals (Catmull–Clark).
+
+    Vertices and faces may have any order. Where the faces alone allow several coarse meshes, the positions choose.
 
     Parameters
     ----------
     shape : shape_like
-        A mesh of triangles; see `Shape`. Vertices at equal positions count as one.
+        A mesh; see `Shape`. Vertices at equal positions count as one. If all faces are triangles, the levels are those of
+        triangles, and else of quadrilaterals; the coarsest mesh of these may have faces of any number of corners.
     kind : {'subdivision', 'irregular'}
-        ``'irregular'`` makes levels for any mesh of triangles, by removing vertices.
+        ``'irregular'`` makes levels for any mesh, by removing vertices.
     areas : shape_like or (n, 3) array_like, optional
         Surface with the same vertices whose areas weigh the fields, such as the white surface if the shape is a sphere; by
         default the shape.
+    creases : (m, 2) array_like of int, or float, optional
+        Sharp edges of a mesh of quadrilaterals by their ends, or the angle in degrees between faces above which an edge is
+        sharp. A coarse edge is sharp if both of its halves are.
+    corners : {'smooth', 'sharp'}
+        Whether border vertices of one face stay in place in Catmull–Clark subdivision.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
     **options
@@ -381,39 +444,84 @@ def hierarchy(
         raise ValueError(f"kind must be 'subdivision' or 'irregular', got {kind!r}")
     part = read_part("hierarchy", shape, options, _HIERARCHY)
     own = part.shape
+    sharp = _sharp(creases, corners)
+    is_sharp = creases is not None or corners != "smooth"
+    if is_sharp and (kind == "irregular" or own.kind != "mesh" or own._data.triangles is not None):
+        raise ValueError(
+            "creases and corners apply to quadrilaterals, and these levels are of triangles; leave them out"
+        )
     with report_progress(progress, "finding levels") as report:
-        return Hierarchy(own, kind, _surface(areas, own.n_vertices), report)
+        return Hierarchy(own, kind, _surface(areas, own.n_vertices), sharp, report)
 
 
 @public()
-def subdivide(shape: object, levels: int = 1) -> Shape:
-    """A mesh of triangles, each cut into four at the midpoints of its edges.
+def subdivide(shape: object, levels: int = 1, *, family: Family = "linear") -> Shape:
+    """A mesh of triangles, each cut into four at the midpoints of its edges; of other polygons, each into quadrilaterals.
 
     The vertices of the mesh come first; `hierarchy` finds them again.
 
     Parameters
     ----------
     shape : shape_like
-        A mesh of triangles; see `Shape`.
+        A mesh; see `Shape`.
     levels : int
         Number of times.
+    family : {'linear', 'butterfly', 'loop', 'catmull-clark'}
+        Rule for the positions. Butterfly and loop are for triangles; catmull-clark cuts triangles into quadrilaterals too.
 
     Raises
     ------
     ValueError
-        If the shape is no mesh, or the number is negative.
+        If the shape is no mesh, the number is negative, or the family does not fit the faces.
 
     Examples
     --------
     >>> import adwave as aw
     >>> aw.subdivide(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).n_vertices
     6
+    >>> tetrahedron = ([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    >>> fine = aw.subdivide(tetrahedron, 3, family="catmull-clark")
+    >>> aw.hierarchy(fine).sizes
+    (194, 50, 14, 4)
     """
     if levels < 0:
         raise ValueError(f"levels must be at least 0, got {levels}")
     own = read_part("subdivide", shape, {}, ()).shape
     if own.kind != "mesh":
-        raise ValueError(f"subdivision needs a mesh of triangles, got a {own.kind}")
+        raise ValueError(f"subdivision needs a mesh, got a {own.kind}")
+    of_quads = family == "catmull-clark" or own._data.triangles is None
+    fine = _cut_polygons(own, levels) if of_quads else _cut_triangles(own, levels)
+    if family == "linear" or levels == 0:
+        return fine
+    h = hierarchy(fine)
+    moved = h.up(np.array(own.points)[h.vertices(levels)], levels, family=family)
+    offsets, corners = fine.polygons()
+    faces = corners.reshape(-1, int(offsets[1]))
+    return Shape(moved, faces)
+
+
+def _cut_polygons(own: Shape, levels: int) -> Shape:
+    """Polygons of n corners, each cut into n quadrilaterals."""
+    points = np.array(own.points)
+    offsets, corners = (array.astype(np.int64) for array in own.polygons())
+    for _ in range(levels):
+        sizes = np.diff(offsets)
+        face = np.repeat(np.arange(len(sizes)), sizes)
+        after = np.arange(1, len(corners) + 1)
+        after[offsets[1:] - 1] = offsets[:-1]
+        edges, index = np.unique(np.sort(np.stack([corners, corners[after]], 1), axis=1), axis=0, return_inverse=True)
+        middle = len(points) + index.ravel()
+        before = np.empty_like(middle)
+        before[after] = middle
+        centers = np.stack([np.bincount(face, points[corners, k]) for k in range(3)], 1) / sizes[:, None]
+        quads = np.stack([corners, middle, len(points) + len(edges) + face, before], axis=1)
+        points = np.concatenate([points, 0.5 * (points[edges[:, 0]] + points[edges[:, 1]]), centers])
+        offsets, corners = np.arange(0, 4 * len(quads) + 1, 4), quads.ravel()
+    return own if levels == 0 else Shape(points, corners.reshape(-1, 4))
+
+
+def _cut_triangles(own: Shape, levels: int) -> Shape:
+    """Triangles, each cut into four."""
     points, faces = np.array(own.points), np.array(own.faces, dtype=np.int64)
     for _ in range(levels):
         sides = np.stack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]], axis=1)
@@ -423,6 +531,46 @@ def subdivide(shape: object, levels: int = 1) -> Shape:
         corners = [np.stack([faces[:, k], middle[:, k], middle[:, (k + 2) % 3]], axis=1) for k in range(3)]
         faces = np.concatenate([*corners, middle])
     return Shape(points, faces)
+
+
+@dataclass(frozen=True)
+class _Sharp:
+    """Sharp edges of quadrilaterals by their ends or an angle in degrees, and the rule of border corners."""
+
+    pairs: Union[NDArray[np.uint32], None] = None
+    angle: Union[float, None] = None
+    corners: str = "smooth"
+
+
+def _sharp(creases: Union[ArrayLike, float, None], corners: str) -> _Sharp:
+    if corners not in ("smooth", "sharp"):
+        raise ValueError(f"corners must be 'smooth' or 'sharp', got {corners!r}")
+    if creases is None:
+        return _Sharp(corners=corners)
+    array = np.asarray(creases)
+    if array.ndim == 0:
+        angle = float(array)
+        if not 0 <= angle <= 180:
+            raise ValueError(f"creases must be an angle in 0 to 180 degrees, or pairs of vertices, got {angle}")
+        return _Sharp(angle=angle, corners=corners)
+    if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
+        raise ValueError(f"creases must be integers of shape (m, 2), got {array.dtype} of shape {array.shape}")
+    if (array < 0).any() or (array >= 2**32).any():
+        raise ValueError("creases must name vertices, counted from 0; a number is out of range")
+    return _Sharp(pairs=np.ascontiguousarray(array, dtype=np.uint32), corners=corners)
+
+
+def _pairs(starts: NDArray[np.uint32], parents: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """The first and the last parent of each vertex."""
+    return np.stack([parents[starts[:-1]], parents[starts[1:] - 1]], axis=1)
+
+
+def _padded(starts: NDArray[np.uint32], parents: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Parents of each vertex as rows filled up with -1."""
+    counts = np.diff(starts.astype(np.int64))
+    rows = np.full((len(counts), int(counts.max(initial=1))), -1, dtype=np.int64)
+    rows[np.arange(rows.shape[1]) < counts[:, None]] = parents
+    return rows
 
 
 def _usual_way(field: ArrayLike) -> Literal["wavelets", "labels"]:

@@ -8,7 +8,7 @@ use adwave::Progress;
 use adwave::bands::Bands;
 use adwave::region::{Length, Location, Region};
 use adwave::shape::{MeshArea, mesh_areas};
-use adwave_subdivision::{Family, Hierarchy, LiftedWavelets, SubdivisionError, WeldedMesh};
+use adwave_subdivision::{BorderCorners, LiftedWavelets, SubdivisionError, WeldedMesh};
 use std::time::Instant;
 
 /// Number of values that each method may keep, as a share of all.
@@ -31,12 +31,12 @@ pub(super) fn compare(
 ) -> Result<Comparison, CompareError> {
     let Some(mesh) = input.shape.as_mesh() else { return Err(CompareError::NotMesh) };
     let start = Instant::now();
-    let welded = WeldedMesh::new(mesh)?;
+    let welded = WeldedMesh::new(mesh);
     let (points, d) = (welded.points(mesh), input.n_channels);
     let areas = mesh_areas(&points, &welded.triangles, MeshArea::Barycentric);
-    let (wavelets, levels) = match Hierarchy::new(points.len(), &welded.triangles, progress) {
+    let (wavelets, levels) = match welded.hierarchy(mesh, &[], BorderCorners::default(), progress) {
         Ok(hierarchy) => {
-            let wavelets = LiftedWavelets::new(&hierarchy, Family::Butterfly, &areas, progress)?;
+            let wavelets = LiftedWavelets::new(&hierarchy, hierarchy.usual_family(), &areas, progress)?;
             (wavelets, "levels of subdivision")
         }
         Err(error @ SubdivisionError::Cancelled(_)) => return Err(error.into()),

@@ -12,6 +12,7 @@ mod local_fit;
 mod normals;
 mod operator;
 mod parse;
+mod quads;
 mod quantity;
 mod region_help;
 mod selection;
@@ -34,6 +35,7 @@ pub(crate) use operator::{OPERATOR_OPTIONS, OperatorArgs, WALK_OPTIONS};
 pub(crate) use parse::{
     count, count_from_one, length, number, parse_named, region, seed, shared_noise, size, value_type,
 };
+pub(crate) use quads::{QUAD_OPTIONS, QuadArgs};
 pub(crate) use quantity::QuantityArgs;
 pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;

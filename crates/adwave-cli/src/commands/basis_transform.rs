@@ -2,7 +2,7 @@
 //! for.
 
 use super::transform::TransformArgs;
-use crate::args::OPERATOR_OPTIONS;
+use crate::args::{OPERATOR_OPTIONS, QUAD_OPTIONS, QuadArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -16,7 +16,7 @@ use adwave::shape::{MeshArea, Shape, mesh_areas};
 use adwave::{Cancelled, Progress};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues};
 use adwave_subdivision::{
-    Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, SubdivisionError, WeldedMesh,
+    Family, HaarWavelets, LiftedCoefficients, LiftedWavelets, SubdivisionError, WeldedMesh,
 };
 use serde_json::json;
 use std::path::Path;
@@ -89,8 +89,12 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
     if let Some(share) = args.keep.filter(|share| !(0.0..=1.0).contains(share)) {
         return Err(SubdivisionError::Share(share).into());
     }
+    args.quads.check()?;
     let kind = OutputKind::from_path(&args.output)?;
     check_writable(&args.output)?;
+    if matches!(family, Family::Irregular | Family::Haar) {
+        global.given.refuse(&QUAD_OPTIONS, "applies to --basis catmull-clark and linear")?;
+    }
     let input = load_shape(&args.shape, global)?;
     let name = args.signal.name_on(&input.file);
     let of_faces = if family == Family::Haar { find_face_field(&input, name) } else { None };
@@ -109,7 +113,12 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
             BasisSignal { values: signal.values.to_vec(), n_channels: signal.n_channels, is_of_faces: false }
         }
     };
-    let job = with_progress(global, "finding levels", |progress| prepare(input, family, signal, progress))?;
+    let job = with_progress(global, "finding levels", |progress| {
+        prepare(input, (family, &args.quads), signal, progress)
+    })?;
+    if let Some(mesh) = job.input.shape.as_mesh() {
+        args.quads.refuse_on_triangles(mesh, &job.input.name, global)?;
+    }
     if args.inverse {
         return write_field(args, &job, kind, global);
     }
@@ -148,7 +157,7 @@ impl OutputKind {
 
 fn prepare(
     input: Input,
-    family: Family,
+    (family, quads): (Family, &QuadArgs),
     signal: BasisSignal,
     progress: Progress<'_>,
 ) -> Result<BasisJob, CliError> {
@@ -158,14 +167,14 @@ fn prepare(
     };
     let Some(mesh) = input.shape.as_mesh() else {
         return Err(CliError::Input(format!(
-            "{}: --basis needs a mesh of triangles; without --basis, bands are for any shape",
+            "{}: --basis needs a mesh; without --basis, bands are for any shape",
             input.name
         )));
     };
-    let welded = WeldedMesh::new(mesh).map_err(name_error)?;
+    let welded = WeldedMesh::new(mesh);
     let BasisSignal { values, n_channels: d, is_of_faces } = signal;
     let values = if is_of_faces {
-        if values.len() != d * welded.triangles.len() {
+        if mesh.faces().triangles().is_none() || values.len() != d * welded.triangles.len() {
             return Err(CliError::Input(format!(
                 "{}: its field of the faces must have a row per triangle; triangulate the mesh first",
                 input.name
@@ -175,7 +184,7 @@ fn prepare(
     } else {
         welded.gather(&values, d).map_err(name_error)?
     };
-    let (points, n) = (welded.points(mesh), welded.vertices.len());
+    let points = welded.points(mesh);
     let areas = mesh_areas(&points, &welded.triangles, MeshArea::Barycentric);
     progress.check().map_err(|Cancelled| CliError::Cancelled)?;
     let (basis, sizes, values) = match family {
@@ -186,7 +195,7 @@ fn prepare(
             (MeshWavelets::Vertices(wavelets), sizes, values)
         }
         Family::Haar => {
-            let hierarchy = Hierarchy::new(n, &welded.triangles, progress).map_err(name_error)?;
+            let hierarchy = quads.hierarchy(&welded, mesh, progress).map_err(name_error)?;
             let wavelets =
                 HaarWavelets::new(&hierarchy, &face_areas(&points, &welded.triangles)).map_err(name_error)?;
             let sizes = (0..=hierarchy.n_levels()).map(|level| hierarchy.n_faces(level)).collect();
@@ -194,7 +203,7 @@ fn prepare(
             (MeshWavelets::Faces(wavelets), sizes, values)
         }
         _ => {
-            let hierarchy = Hierarchy::new(n, &welded.triangles, progress).map_err(name_error)?;
+            let hierarchy = quads.hierarchy(&welded, mesh, progress).map_err(name_error)?;
             let wavelets = LiftedWavelets::new(&hierarchy, family, &areas, progress).map_err(name_error)?;
             let sizes = (0..=hierarchy.n_levels()).map(|level| hierarchy.n_vertices(level)).collect();
             (MeshWavelets::Vertices(wavelets), sizes, values)

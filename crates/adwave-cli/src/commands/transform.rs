@@ -2,8 +2,8 @@
 
 use super::result_file::check_places;
 use crate::args::{
-    GivenWalkArgs, LabelArgs, LevelArgs, QuantityArgs, ShapeArgs, SignalArgs, TimeArgs,
-    number as parse_number, parse_named,
+    GivenWalkArgs, LabelArgs, LevelArgs, QUAD_OPTIONS, QuadArgs, QuantityArgs, ShapeArgs, SignalArgs,
+    TimeArgs, number as parse_number, parse_named,
 };
 use crate::error::CliError;
 use crate::global::Global;
@@ -76,7 +76,8 @@ pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) time: TimeArgs,
     /// Coefficients of wavelets by lifting instead of bands: as many as the signal has values. All families but
-    /// irregular need a mesh that was made by cutting triangles into four
+    /// irregular need a mesh that was made by cutting triangles into four, or polygons into quadrilaterals (linear,
+    /// catmull-clark)
     #[arg(long, value_name = "FAMILY", value_parser = parse_named::<Family>(), help_heading = "Basis")]
     pub(crate) basis: Option<Family>,
     /// Share of the coefficients that stay, those that contribute most; the others become 0
@@ -85,6 +86,8 @@ pub(crate) struct TransformArgs {
     /// Take the signal as coefficients, and write the field that they stand for
     #[arg(long, help_heading = "Basis")]
     pub(crate) inverse: bool,
+    #[command(flatten)]
+    pub(crate) quads: QuadArgs,
 }
 
 /// Kind of the file of bands.
@@ -135,6 +138,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         return super::basis_transform::run(args, family, global);
     }
     global.given.refuse(&["--keep", "--inverse"], "applies to coefficients (--basis)")?;
+    global.given.refuse(&QUAD_OPTIONS, "applies to coefficients (--basis)")?;
     let mut watch = Stopwatch::start();
     let (job, read) = resolve(args, &mut watch, global)?;
     let prepare = watch.lap();

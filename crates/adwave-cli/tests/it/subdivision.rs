@@ -2,7 +2,8 @@
 
 use crate::common;
 
-use adwave_subdivision::subdivide;
+use adwave::shape::Polygons;
+use adwave_subdivision::{subdivide, subdivide_polygons};
 use adwave_test_data::data_test;
 use common::{json, real_files, refused};
 use std::fmt::Write as _;
@@ -91,6 +92,114 @@ fn coefficients_go_to_a_file_and_come_back() {
     assert!(folder.path().join("haar.npz").is_file());
 }
 
+/// Writes a prism over a pentagon, cut three times onto a bumpy ball of quadrilaterals, as `quads.obj`.
+fn write_quads(folder: &Path) {
+    let turn = |k: u32| std::f64::consts::TAU * f64::from(k % 5) / 5.0;
+    let point = |k: u32| [turn(k).cos(), turn(k).sin(), if k < 5 { -0.8 } else { 0.8 }];
+    let mut points: Vec<[f64; 3]> = (0..10).map(point).collect();
+    let sides = (0..5).map(|k| vec![k, (k + 1) % 5, 5 + (k + 1) % 5, 5 + k]);
+    let all: Vec<Vec<u32>> = sides.chain([vec![4, 3, 2, 1, 0], vec![5, 6, 7, 8, 9]]).collect();
+    let mut faces: Polygons = all.iter().map(Vec::as_slice).collect();
+    for _ in 0..3 {
+        let finer = subdivide_polygons(points.len(), &faces);
+        let sum = |corners: &[u32]| {
+            corners.iter().fold([0.0; 3], |s, &v| [0, 1, 2].map(|k| s[k] + points[v as usize][k]))
+        };
+        let new: Vec<[f64; 3]> =
+            finer.edges.iter().map(|edge| sum(edge)).chain(faces.iter().map(sum)).collect();
+        points.extend(new);
+        faces = finer.faces;
+    }
+    let mut text = String::new();
+    for p in &points {
+        let length = p.iter().map(|x| x * x).sum::<f64>().sqrt() / (1.0 + 0.05 * (9.0 * p[0]).sin());
+        let _ = writeln!(text, "v {} {} {}", p[0] / length, p[1] / length, p[2] / length);
+    }
+    for face in faces.iter() {
+        let corners: Vec<String> = face.iter().map(|v| (v + 1).to_string()).collect();
+        let _ = writeln!(text, "f {}", corners.join(" "));
+    }
+    fs::write(folder.join("quads.obj"), text).unwrap();
+}
+
+#[test]
+fn quadrilaterals_have_levels_and_are_written_again() {
+    let folder = tempfile::tempdir().unwrap();
+    write_quads(folder.path());
+    let info = json(folder.path(), "info quads.obj");
+    assert_eq!(info["subdivision"]["vertices"], serde_json::json!([482, 122, 32, 10]));
+    assert_eq!(info["subdivision"]["scheme"], "quadrilaterals");
+    let text = common::adwave(folder.path()).args(["info", "quads.obj"]).output().unwrap().stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("subdivision   3 levels, 482 → 10 vertices (Catmull-Clark)"), "{text}");
+    let coarse = json(folder.path(), "simplify quads.obj -o coarse.obj --level 3");
+    assert_eq!((&coarse["vertices"]["after"], &coarse["faces"]["after"]), (&10.into(), &7.into()));
+    let written = fs::read_to_string(folder.path().join("coarse.obj")).unwrap();
+    let mut corners: Vec<usize> = written
+        .lines()
+        .filter(|line| line.starts_with("f "))
+        .map(|line| line.split_whitespace().count() - 1)
+        .collect();
+    corners.sort_unstable();
+    assert_eq!(corners, [4, 4, 4, 4, 4, 5, 5]);
+    for family in ["catmull-clark", "linear", "irregular"] {
+        let line = format!("transform quads.obj -o c.ply --basis {family} --signal z");
+        json(folder.path(), &line);
+        let back = format!("transform c.ply -o back.npy --basis {family} --signal coefficient --inverse");
+        json(folder.path(), &back);
+        let kept = json(folder.path(), &format!("{line} --keep 0.2"));
+        assert!(kept["error"].as_f64().unwrap() < 0.02, "{family}: {}", kept["error"]);
+    }
+    for (line, named) in [
+        ("transform quads.obj -o c.npz --basis butterfly", "is for triangles"),
+        ("transform quads.obj -o c.npz --basis haar --signal z", "is for triangles"),
+        ("transform quads.obj -o c.npz --sharp-edges 30", "--sharp-edges applies to coefficients"),
+        ("transform quads.obj -o c.npz --basis catmull-clark --sharp-edges 200", "0..=180"),
+        ("simplify quads.obj -o c.obj --level 4", "0..=3"),
+    ] {
+        let text = refused(folder.path(), line);
+        assert!(text.contains(named), "{line}: {text}");
+    }
+}
+
+#[test]
+fn an_edited_level_carries_its_detail() {
+    let folder = tempfile::tempdir().unwrap();
+    write_quads(folder.path());
+    let read = |name: &str| {
+        let path = folder.path().join(name);
+        let file = adwave_io::read_path(&path, &adwave_io::ReadLimits::default()).unwrap();
+        (file.points().to_vec(), file.faces().clone())
+    };
+    let report = json(folder.path(), "rebase quads.obj --write-base base.obj --level 2");
+    assert_eq!((&report["vertices"], &report["faces"]), (&32.into(), &30.into()));
+    json(folder.path(), "rebase quads.obj --base base.obj --level 2 -o same.obj");
+    let (points, faces) = read("quads.obj");
+    let (same, same_faces) = read("same.obj");
+    assert_eq!(faces, same_faces);
+    let distance = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+        a.as_flattened().iter().zip(b.as_flattened()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    };
+    assert!(distance(&points, &same) < 1e-12);
+    // The base turned by a right angle about z turns the mesh.
+    let (base, base_faces) = read("base.obj");
+    let turned = base.iter().map(|p| [-p[1], p[0], p[2]]).collect();
+    let file = adwave_io::ShapeFile::from_mesh(turned, base_faces);
+    adwave_io::write_path(&file, &folder.path().join("turned.obj"), None).unwrap();
+    json(folder.path(), "rebase quads.obj --base turned.obj --level 2 -o out.obj");
+    let expected: Vec<[f64; 3]> = points.iter().map(|p| [-p[1], p[0], p[2]]).collect();
+    assert!(distance(&read("out.obj").0, &expected) < 1e-12);
+    for (line, named) in [
+        ("rebase quads.obj --base quads.obj --level 2 -o o.obj", "level 2 has 32 vertices"),
+        ("rebase quads.obj --write-base b.obj --level 4", "0..=3"),
+        ("rebase quads.obj --write-base b.obj --level 1 --family loop", "is for triangles"),
+        ("rebase quads.obj --write-base b.obj --sharp-edges 20", "--sharp-edges applies to --level"),
+    ] {
+        let text = refused(folder.path(), line);
+        assert!(text.contains(named), "{line}: {text}");
+    }
+}
+
 #[test]
 fn values_of_faces_come_back_from_their_coefficients() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +228,7 @@ fn what_a_basis_cannot_do_is_said_in_one_line() {
     write_ball(folder.path(), 3);
     for (line, named) in [
         ("transform sample:creature --vertices 2000 -o c.npz --basis butterfly", "no levels of subdivision"),
-        ("transform ball.obj --as cloud -o c.npz --basis butterfly", "mesh of triangles"),
+        ("transform ball.obj --as cloud -o c.npz --basis butterfly", "--basis needs a mesh"),
         ("transform ball.obj -o c.npz --basis butterfly --keep 2", "0..=1"),
         ("transform ball.obj -o c.npz --basis butterfly --levels 3", "--levels applies to bands"),
         ("transform ball.obj -o c.npz --basis butterfly --operator surface", "--operator applies to bands"),

@@ -33,6 +33,7 @@ fn write_fixtures(folder: &Path) {
     }
     save(&closed(), &at("closed.ply"));
     save(&levels(), &at("levels.ply"));
+    save(&quads(), &at("quads.ply"));
     save(&creature(1), &at("creature.ply"));
     save(&creature(2), &at("creature2.ply"));
     save(&cloud(1), &at("cloud.ply"));
@@ -258,6 +259,30 @@ pub(crate) fn levels() -> ShapeFile {
         triangles = finer.triangles;
     }
     let mut file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
+    add_fields(&mut file);
+    file
+}
+
+/// Two squares that meet at a right angle, cut twice into quadrilaterals, with a bump.
+pub(crate) fn quads() -> ShapeFile {
+    let mut points: Vec<[f64; 3]> =
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.1], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.1, 1.0]];
+    let mut faces: Polygons = [[0, 1, 2, 3].as_slice(), &[1, 0, 4, 5]].into_iter().collect();
+    for _ in 0..2 {
+        let finer = adwave_subdivision::subdivide_polygons(points.len(), &faces);
+        let mean = |corners: &[u32]| {
+            let sum = |k: usize| corners.iter().map(|&v| points[v as usize][k]).sum::<f64>();
+            [0, 1, 2].map(|k| sum(k) / corners.len() as f64)
+        };
+        let new: Vec<[f64; 3]> =
+            finer.edges.iter().map(|edge| mean(edge)).chain(faces.iter().map(mean)).collect();
+        points.extend(new);
+        faces = finer.faces;
+    }
+    for p in &mut points {
+        p[1] += 0.05 * (7.0 * p[0] + 3.0 * p[2]).sin();
+    }
+    let mut file = ShapeFile::from_mesh(points, faces);
     add_fields(&mut file);
     file
 }

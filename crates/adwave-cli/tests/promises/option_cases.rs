@@ -197,6 +197,8 @@ const CASES: &[OptionCase] = &[
     case("transform", "--basis", "irregular"),
     with(case("transform", "--keep", "0.1"), "--basis irregular"),
     with(case("transform", "--inverse", ""), "--basis irregular"),
+    in_file(with(case("transform", "--sharp-edges", "30"), "--basis catmull-clark"), "quads.ply"),
+    in_file(with(case("transform", "--border-corners", "sharp"), "--basis catmull-clark"), "quads.ply"),
     // simplify
     in_file(with(case("simplify", "--level", "1"), "!--ratio"), "levels.ply"),
     with(case("simplify", "--error", "2%"), "!--ratio"),
@@ -218,6 +220,22 @@ const CASES: &[OptionCase] = &[
     case("*", "--width", "10%"),
     with(case("rebase", "--write-base", "out/base.ply"), "!--base !--output"),
     case("rebase", "--base", "mesh2.ply"),
+    in_file(with(case("rebase", "--level", "1"), "!--base !--output --write-base out/base.ply"), "quads.ply"),
+    in_file(
+        with(case("rebase", "--family", "linear"), "!--base !--output --write-base out/base.ply --level 1"),
+        "quads.ply",
+    ),
+    in_file(
+        with(case("rebase", "--sharp-edges", "30"), "!--base !--output --write-base out/base.ply --level 1"),
+        "quads.ply",
+    ),
+    in_file(
+        with(
+            case("rebase", "--border-corners", "sharp"),
+            "!--base !--output --write-base out/base.ply --level 1",
+        ),
+        "quads.ply",
+    ),
     case("transfer", "--from", "creature.ply"),
     case("transfer", "--region", "ball:vertex=31,radius=30%"),
     case("morph", "--share", "2"),

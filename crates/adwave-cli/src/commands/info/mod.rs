@@ -25,7 +25,7 @@ use adwave_io::{
     BrainLayout, BrainPart, BrainPlaces, CloudLevels, Field, Format, GraphChanges, GridLayout, LengthUnit,
     ReadError, cloud_levels,
 };
-use adwave_subdivision::{Hierarchy, SubdivisionError};
+use adwave_subdivision::{Hierarchy, QuadParams, SubdivisionError};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
 use health::{health_lines, health_notes};
@@ -74,19 +74,19 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
     Ok(ShapeFacts { input, decomposer, health, levels, octree, detail, hierarchy })
 }
 
-/// The levels of subdivision of a mesh of triangles.
+/// The levels of subdivision of a mesh.
 fn find_hierarchy(
     input: &Input,
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Option<Hierarchy>, CliError> {
-    let Some(mesh) = input.shape.as_mesh() else { return Ok(None) };
-    if mesh.faces().iter().any(|face| face.len() != 3) {
+    if !input.shape.is_mesh() {
         return Ok(None);
     }
     let Some(geometry) = decomposer.geometry() else { return Ok(None) };
     let found = with_progress(global, "finding levels", |progress| {
-        Hierarchy::new(geometry.n_vertices(), geometry.triangles(), progress)
+        let params = QuadParams { points: Some(geometry.points()), ..QuadParams::default() };
+        Hierarchy::from_faces(geometry.n_vertices(), geometry.faces(), &params, progress)
     });
     match found {
         Ok(hierarchy) => Ok(Some(hierarchy)),
@@ -104,7 +104,13 @@ fn hierarchy_text(hierarchy: &Hierarchy) -> String {
         hierarchy.n_vertices(0),
         hierarchy.n_vertices(n_levels)
     );
+    if hierarchy.is_of_quads() {
+        text += " (Catmull-Clark)";
+    }
     let parts = hierarchy.parts();
+    if parts.iter().any(|part| part.is_ambiguous) {
+        text += "; other coarse vertices are possible, and the positions chose";
+    }
     let n_fewer = parts.iter().filter(|part| part.n_levels < n_levels).count();
     if n_fewer > 0 {
         let fewer = if n_fewer == 1 {
@@ -249,9 +255,11 @@ impl ShapeFacts {
             "curve": CurveFacts::new(decomposer).map(|curve| curve.json()),
             "subdivision": self.hierarchy.as_ref().map(|hierarchy| json!({
                 "levels": hierarchy.n_levels(),
+                "scheme": if hierarchy.is_of_quads() { "quadrilaterals" } else { "triangles" },
                 "vertices": (0..=hierarchy.n_levels()).map(|k| hierarchy.n_vertices(k)).collect::<Vec<_>>(),
                 "parts": hierarchy.parts().iter().map(|part| json!({
                     "vertices": part.n_vertices, "coarsest": part.n_coarsest, "levels": part.n_levels,
+                    "ambiguous": part.is_ambiguous,
                 })).collect::<Vec<_>>(),
             })),
             "diffusion": diffusion_json(decomposer, row_words(&input.file)[1]),

@@ -59,7 +59,7 @@ pub(crate) struct SimplifyArgs {
     /// it multiplies the squared distance by which collapses are ordered
     #[arg(long, value_name = "SIGNAL")]
     pub(crate) weights: Option<String>,
-    /// Mesh made by cutting triangles into four: the mesh before K cuts, by its vertices (see 'adwave info')
+    /// Mesh made by cutting triangles into four, or polygons into quadrilaterals: the mesh before K cuts, by its vertices (see 'adwave info')
     #[arg(long, value_name = "K", value_parser = count_from_one, help_heading = "Target")]
     pub(crate) level: Option<NonZeroUsize>,
     /// Mesh: measure the largest distance and the rms between result and input, with a proof for all points of both

@@ -10,13 +10,13 @@ use crate::output::{check_writable, count, note, number, output_format, percent_
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
 use crate::resolve::signal::load_signal;
-use adwave::shape::{Mesh, PointCloud, Shape};
+use adwave::shape::{Mesh, PointCloud, Polygons, Shape, triangulate};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
     Appearance, AppearanceValues, Border, CloudTarget, Deviation, MeshParams, MeshTarget, SimplifiedMesh,
     SimplifyError, Why, measure_coarse_mesh, simplify_cloud, simplify_mesh_with_appearance,
 };
-use adwave_subdivision::{Hierarchy, SubdivisionError, WeldedMesh};
+use adwave_subdivision::{BorderCorners, SubdivisionError, WeldedMesh};
 pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -178,7 +178,7 @@ fn load_weights(
     Ok(Some(signal.values.to_vec()))
 }
 
-/// A coarser level of a mesh that was made by cutting triangles into four.
+/// A coarser level of a mesh that was made by cutting triangles into four, or polygons into quadrilaterals.
 fn coarse_level(
     input: &Input,
     mesh: &Mesh,
@@ -193,25 +193,34 @@ fn coarse_level(
         SubdivisionError::Cancelled(_) => CliError::Cancelled,
         other => CliError::Input(format!("{}: {other}", input.name)),
     };
-    let (triangles, n_levels) = with_progress(global, "finding levels", |progress| {
-        let welded = WeldedMesh::new(mesh)?;
-        let hierarchy = Hierarchy::new(welded.vertices.len(), &welded.triangles, progress)?;
+    let (faces, n_levels) = with_progress(global, "finding levels", |progress| {
+        let welded = WeldedMesh::new(mesh);
+        let hierarchy = welded.hierarchy(mesh, &[], BorderCorners::default(), progress)?;
         let names = hierarchy.vertices(level)?;
-        let name = |v: u32| welded.vertices[names[v as usize] as usize];
-        let triangles: Vec<[u32; 3]> = hierarchy.triangles(level)?.iter().map(|t| t.map(name)).collect();
-        Ok((triangles, hierarchy.n_levels()))
+        let name = |&v: &u32| welded.vertices[names[v as usize] as usize];
+        let faces = hierarchy.faces(level)?;
+        let named: Vec<Vec<u32>> = faces.iter().map(|face| face.iter().map(name).collect()).collect();
+        Ok((named.iter().map(Vec::as_slice).collect::<Polygons>(), hierarchy.n_levels()))
     })
     .map_err(name_error)?;
+    let triangles = triangulate(mesh.points(), &faces);
     let measured =
         with_progress(global, "measuring", |progress| measure_coarse_mesh(mesh, &triangles, progress))
             .map_err(|error| self::name_error(input, error))?;
-    let file = input.file.subset_with_left_out(&Subset {
-        vertices: &measured.kept,
-        triangles: &measured.triangles,
-        faces: &measured.faces,
-        corners: &measured.corners,
-    })?;
-    let (before, after) = (mesh.faces().len(), measured.triangles.len());
+    let of_polygons = mesh.faces().triangles().is_none();
+    let file = if of_polygons {
+        polygon_level(input, &faces)?
+    } else {
+        input.file.subset_with_left_out(&Subset {
+            vertices: &measured.kept,
+            triangles: &measured.triangles,
+            faces: &measured.faces,
+            corners: &measured.corners,
+        })?
+    };
+    let n_vertices = if of_polygons { file.n_vertices() } else { measured.kept.len() };
+    let after = if of_polygons { faces.len() } else { measured.triangles.len() };
+    let before = mesh.faces().len();
     let lines = vec![
         format!("faces      {before} → {after}"),
         format!("level      {level} of {}", count(n_levels, "level of subdivision", "levels of subdivision")),
@@ -230,9 +239,25 @@ fn coarse_level(
         measure_seconds: measured.measure_seconds,
         within: None,
         is_changed: true,
-        n_vertices: measured.kept.len(),
+        n_vertices,
         lines,
     })
+}
+
+/// The vertices of some polygons with their fields, and these polygons.
+fn polygon_level(input: &Input, faces: &Polygons) -> Result<ShapeFile, CliError> {
+    let mut kept = faces.corners().to_vec();
+    kept.sort_unstable();
+    kept.dedup();
+    let part = input.file.subset(&Subset { vertices: &kept, ..Subset::default() })?;
+    let place = |v: &u32| kept.partition_point(|k| k < v) as u32;
+    let renamed: Vec<Vec<u32>> = faces.iter().map(|face| face.iter().map(place).collect()).collect();
+    let polygons = renamed.iter().map(Vec::as_slice).collect();
+    let mut file = ShapeFile::from_mesh(part.points().to_vec(), polygons);
+    for field in part.vertex_fields() {
+        file.add_vertex_field(field.clone())?;
+    }
+    Ok(file)
 }
 
 /// Line on a target that was not reached: the target, the result, and the reason.
