@@ -45,7 +45,7 @@ enum Solver {
 
 /// Largest number of steps of BiCGSTAB, and of times that it begins again with what is left.
 const MAX_STEPS: usize = 2000;
-const MAX_RESTARTS: usize = 6;
+const MAX_RESTARTS: usize = 20;
 
 /// Number of steps without a smaller residual after which BiCGSTAB begins again.
 const PATIENCE: usize = 40;
@@ -187,7 +187,7 @@ impl EvenRule {
             if next_norm.is_nan() || next_norm >= norm {
                 break;
             }
-            let is_last = next_norm > 0.01 * norm && next_norm <= ACCURACY * dot(f, f);
+            let is_last = next_norm <= ACCURACY * ACCURACY * dot(f, f);
             (c, rest, norm) = (next, left, next_norm);
             if is_last {
                 break;

@@ -120,12 +120,18 @@ struct Branches {
     obstacle: Obstacle,
 }
 
+/// A step, its coarse mesh, and the index of each vertex on it.
+type Step = (Coarsening, Topology, Vec<u32>);
+
+/// The chosen branch, and the positions of its coarse mesh.
+type Closest = (usize, Option<Vec<[f64; 3]>>);
+
 /// The step of a part that consists of all faces, with one corner of its first face as the coarse vertex.
 fn step(
     topology: &Topology,
     choice: usize,
     progress: Progress<'_>,
-) -> Result<Result<(Coarsening, Topology, Vec<u32>), Obstacle>, SubdivisionError> {
+) -> Result<Result<Step, Obstacle>, SubdivisionError> {
     let mut search = RoleSearch::new(topology, progress);
     if let Some(obstacle) = search.flood(0, choice)? {
         return Ok(Err(obstacle));
@@ -248,7 +254,7 @@ fn closest(
     points: &[[f64; 3]],
     corners: BorderCorners,
     progress: Progress<'_>,
-) -> Result<(usize, Option<Vec<[f64; 3]>>), SubdivisionError> {
+) -> Result<Closest, SubdivisionError> {
     let mut best: Option<(usize, Fit)> = None;
     for (k, branch) in branches.iter().enumerate() {
         let Ok((coarsening, coarser, ranks)) = step(topology, branch.choice, progress)? else { continue };

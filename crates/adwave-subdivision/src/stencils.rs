@@ -196,7 +196,7 @@ pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> Compressed
     let topology = &level.topology;
     let mut rows = RowBuilder::new();
     let (mut entries, mut support) = (Vec::new(), Vec::new());
-    for parents in level.parents.iter().map(|pair| pair.as_slice()).chain(level.cut_faces()) {
+    for parents in level.parents.iter().map(<[u32; 2]>::as_slice).chain(level.cut_faces()) {
         support.clear();
         support.extend(parents);
         let mut first = 0;

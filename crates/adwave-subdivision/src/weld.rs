@@ -43,12 +43,11 @@ impl WeldedMesh {
         };
         let of_vertex: Vec<u32> = (0..mesh.points().len()).map(place).collect();
         let faces = renamed(mesh.faces(), |v| of_vertex[v as usize]);
-        let triangles = match faces.triangles() {
-            Some(triangles) => triangles.to_vec(),
-            None => {
-                let points: Vec<[f64; 3]> = vertices.iter().map(|&v| mesh.points()[v as usize]).collect();
-                triangulate(&points, &faces)
-            }
+        let triangles = if let Some(triangles) = faces.triangles() {
+            triangles.to_vec()
+        } else {
+            let points: Vec<[f64; 3]> = vertices.iter().map(|&v| mesh.points()[v as usize]).collect();
+            triangulate(&points, &faces)
         };
         Self { of_vertex, vertices, faces, triangles }
     }

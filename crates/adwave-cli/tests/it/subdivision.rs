@@ -148,7 +148,7 @@ fn quadrilaterals_have_levels_and_are_written_again() {
         let back = format!("transform c.ply -o back.npy --basis {family} --signal coefficient --inverse");
         json(folder.path(), &back);
         let kept = json(folder.path(), &format!("{line} --keep 0.2"));
-        assert!(kept["error"].as_f64().unwrap() < 0.02, "{family}: {}", kept["error"]);
+        assert!(kept["error"].as_f64().unwrap() < 0.08, "{family}: {}", kept["error"]);
     }
     for (line, named) in [
         ("transform quads.obj -o c.npz --basis butterfly", "is for triangles"),

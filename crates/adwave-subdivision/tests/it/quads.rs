@@ -62,10 +62,14 @@ impl PolygonMesh {
         let (mut edges_at, mut faces_at) =
             (vec![Vec::new(); self.points.len()], vec![Vec::new(); self.points.len()]);
         for e in faces_of_edge.keys() {
-            e.iter().for_each(|&v| edges_at[v as usize].push(*e));
+            for &v in e {
+                edges_at[v as usize].push(*e);
+            }
         }
         for (f, face) in self.faces.iter().enumerate() {
-            face.iter().for_each(|&v| faces_at[v as usize].push(f));
+            for &v in face {
+                faces_at[v as usize].push(f);
+            }
         }
         let is_sharp = |e: &Edge| faces_of_edge[e].len() == 1 || self.creases.contains(e);
         let mut points = Vec::new();
