@@ -101,7 +101,7 @@ impl HierarchyData {
     }
 
     /// True if the levels are those of quadrilaterals.
-    fn of_quads(&self) -> bool {
+    fn is_of_quads(&self) -> bool {
         self.hierarchy.is_of_quads()
     }
 

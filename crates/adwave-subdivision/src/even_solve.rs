@@ -52,7 +52,7 @@ const PATIENCE: usize = 40;
 
 impl EvenRule {
     /// Prepares any rule with the given weights of other vertices.
-    pub(crate) fn of_any_rows(neighbors: CompressedRows<f64>) -> Self {
+    pub(crate) fn from_rows(neighbors: CompressedRows<f64>) -> Self {
         let diagonal = diagonal(&neighbors);
         Self { neighbors, diagonal, solver: Solver::BiCgStab }
     }

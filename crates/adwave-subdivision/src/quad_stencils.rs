@@ -83,7 +83,7 @@ pub(crate) fn even_rule(level: &HierarchyLevel, corners: BorderCorners) -> EvenR
         entries.retain(|entry| entry.column != v);
         rows.push_row(&mut entries);
     }
-    EvenRule::of_any_rows(rows.finish(topology.n_vertices))
+    EvenRule::from_rows(rows.finish(topology.n_vertices))
 }
 
 /// Appends the weights of the other vertices in the rule of a coarse vertex.

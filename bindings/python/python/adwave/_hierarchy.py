@@ -138,7 +138,7 @@ class Hierarchy:
             self._data = _native.HierarchyData(shape._data, sharp.pairs, sharp.angle, sharp.corners, report)  # type: ignore[arg-type]
             self.sizes = tuple(self._data.sizes())
             rows = (self._data.parents(level) for level in range(len(self.sizes) - 1))
-            self.parents = tuple(_padded(*row) if self._data.of_quads() else _pairs(*row) for row in rows)
+            self.parents = tuple(_padded(*row) if self._data.is_of_quads() else _pairs(*row) for row in rows)
             self.parts = [(n_levels, n_vertices) for n_levels, n_vertices in self._data.parts()]
         self.levels = len(self.sizes) - 1
 
@@ -365,7 +365,7 @@ class Hierarchy:
 
     def _family(self, family: Union[str, None]) -> _native.WaveletData:
         """Prepared wavelets of a family."""
-        of_quads = self._data is not None and self._data.of_quads()
+        of_quads = self._data is not None and self._data.is_of_quads()
         own = "irregular" if self._data is None else "catmull-clark" if of_quads else "butterfly"
         name = own if family is None else family
         if (name == "irregular") != (self._data is None):

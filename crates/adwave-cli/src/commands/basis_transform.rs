@@ -114,7 +114,7 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
         }
     };
     let job = with_progress(global, "finding levels", |progress| {
-        prepare(input, (family, &args.quads), signal, progress)
+        prepare(input, family, &args.quads, signal, progress)
     })?;
     if let Some(mesh) = job.input.shape.as_mesh() {
         args.quads.refuse_on_triangles(mesh, &job.input.name, global)?;
@@ -157,7 +157,8 @@ impl OutputKind {
 
 fn prepare(
     input: Input,
-    (family, quads): (Family, &QuadArgs),
+    family: Family,
+    quads: &QuadArgs,
     signal: BasisSignal,
     progress: Progress<'_>,
 ) -> Result<BasisJob, CliError> {
