@@ -30,6 +30,7 @@ struct DeformOptions<'py> {
     fixed: Vec<u32>,
     handles: Vec<Vec<u32>>,
     stiffness: Option<Bound<'py, PyAny>>,
+    keep_lengths: f64,
 }
 
 /// A shape bound to handles.
@@ -55,6 +56,7 @@ fn info_dict<'py>(py: Python<'py>, info: &DeformInfo) -> PyResult<Bound<'py, PyD
     let found = PyDict::new(py);
     found.set_item("steps", info.n_steps)?;
     found.set_item("products", info.n_products)?;
+    found.set_item("length_steps", info.n_length_steps)?;
     found.set_item("energy", info.energy_after)?;
     found.set_item("converged", info.is_converged)?;
     Ok(found)
@@ -75,7 +77,8 @@ impl DeformerData {
         let given = options.stiffness.as_ref().map(length).transpose()?;
         let stiffness = given.map(|length| length.to_model_units(decomposer.extent()));
         let regions = DeformRegions { fixed: options.fixed, handles: options.handles };
-        let params = DeformParams::default().with_stiffness(stiffness);
+        let params =
+            DeformParams::default().with_stiffness(stiffness).with_keep_lengths(options.keep_lengths);
         let n = decomposer.n_vertices();
         let deformer =
             run(py, n, progress.as_ref(), |p| Deformer::bind(decomposer, &schedule, &regions, &params, p))?;
@@ -86,6 +89,22 @@ impl DeformerData {
     fn set(&self, handle: usize, matrix: [[f64; 4]; 4]) -> PyResult<()> {
         let motion = HandleMotion::from_matrix(&matrix).map_err(|e| error::to_exception(&e))?;
         self.with(|deformer| deformer.set(handle + 1, motion).map_err(|e| error::to_exception(&e)))
+    }
+
+    /// Sets the motion of a handle, counted from 0, to a blend of 4 × 4 matrices.
+    fn set_blend(&self, handle: usize, matrices: Vec<[[f64; 4]; 4]>, shares: Vec<f64>) -> PyResult<()> {
+        let motions: Result<Vec<_>, _> = matrices.iter().map(HandleMotion::from_matrix).collect();
+        let motions = motions.map_err(|e| error::to_exception(&e))?;
+        self.with(|deformer| {
+            deformer.set_blend(handle + 1, &motions, &shares).map_err(|e| error::to_exception(&e))
+        })
+    }
+
+    /// Places where triangles of the deformed shape cross and did not before: rows of a vertex, a point and a number of
+    /// pairs.
+    fn crossings(&self, py: Python<'_>) -> PyResult<Vec<(u32, [f64; 3], usize)>> {
+        let found = self.with(|deformer| run(py, usize::MAX, None, |p| deformer.new_crossings(p)))?;
+        Ok(found.places.iter().map(|place| (place.vertex, place.point, place.n_pairs)).collect())
     }
 
     /// One step toward the handles.

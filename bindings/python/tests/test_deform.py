@@ -34,6 +34,55 @@ def test_handles_follow_their_motion_and_nothing_else_is_lost() -> None:
     assert np.array_equal(other.points, moved)
 
 
+def stretch(points: np.ndarray) -> float:
+    """Root of the mean square of the relative change of the edges' lengths."""
+    faces = np.asarray(SHAPE.faces)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    before, after = (np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1) for p in (SHAPE.points, points))
+    return float(np.sqrt(np.mean((after / before - 1) ** 2)))
+
+
+def test_lengths_are_kept_by_a_share() -> None:
+    found = []
+    for share in (0, 0.5, 1):
+        d = SHAPE.deformer(FEET, [HEAD], keep_lengths=share)
+        d.move(0, TURN)
+        assert np.array_equal(d.points[FEET], SHAPE.points[FEET])
+        found.append(stretch(d.points))
+        assert (d.solve()["length_steps"] > 0) == (share > 0)
+    assert found[0] > found[1] > found[2]
+    with pytest.raises(ValueError, match=r"share of lengths must be in 0..=1, got 1.5"):
+        SHAPE.deformer(FEET, [HEAD], keep_lengths=1.5)
+
+
+def test_poses_are_blended_by_the_motions_of_handles() -> None:
+    d = SHAPE.deformer(FEET, [HEAD])
+    d.blend(0, [TURN, [0, 1, 0]], [1, 0])
+    blended = d.points
+    d.move(0, TURN)
+    assert np.allclose(blended, d.points, atol=1e-6)
+    # Half of a rotation is a rotation.
+    d.blend(0, [TURN], [0.5])
+    half = d.points[HEAD]
+    size = np.linalg.norm(SHAPE.points[HEAD] - SHAPE.points[HEAD].mean(axis=0))
+    assert np.isclose(np.linalg.norm(half - half.mean(axis=0)), size)
+    with pytest.raises(ValueError, match="a share for each motion, 1 in all, got 2"):
+        d.blend(0, [TURN], [0.5, 0.5])
+
+
+def test_crossings_name_their_places() -> None:
+    d = SHAPE.deformer(FEET, [HEAD])
+    assert d.crossings() == []
+    # The head moves through the feet.
+    d.move(0, [0, SHAPE.points[FEET, 1].mean() - SHAPE.points[HEAD, 1].mean(), 0])
+    places = d.crossings()
+    assert places and all(place.n_pairs > 0 for place in places)
+    assert places[0].n_pairs == max(place.n_pairs for place in places)
+    low, high = d.points.min(axis=0), d.points.max(axis=0)
+    assert np.all(low <= places[0].point) and np.all(places[0].point <= high)
+    assert 0 <= places[0].vertex < SHAPE.n_vertices
+
+
 def test_a_base_edited_elsewhere_takes_the_detail() -> None:
     bands = aw.decompose(SHAPE, levels=6)
     base = bands.scaling(6)

@@ -1,7 +1,8 @@
 //! The coarse shape S_J, its samples and the nodes that move it: all that does not depend on handles.
 
 use crate::DeformError;
-use crate::front::{NO_SOURCE, PlacedGraph, RepeatedFront};
+use crate::front::{Cover, NO_SOURCE, PlacedGraph, RepeatedFront, SourceOrder};
+use crate::symmetry::MirrorPlanes;
 use adwave::bands::{BandsParams, Schedule};
 use adwave::shape::{Adjacency, label_components};
 use adwave::vector::{Vector, norm, subtract};
@@ -137,17 +138,19 @@ impl CoarseBase {
         let smooth = smooth_positions_within(ACCURACY, decomposer, schedule, progress)?;
         let takes_part = participants(decomposer);
         let (part, n_parts) = label_components(decomposer.neighbors());
+        let planes = MirrorPlanes::find(decomposer, &takes_part);
         // A shape whose points coincide has no length to measure by.
         let mut spacing = if sigma > 0.0 && sigma.is_finite() { NODE_SPACING * sigma } else { 1.0 };
         loop {
             let points: Vec<Vector> = smooth.iter().map(|p| p.map(|c| c / spacing)).collect();
             let graph = PlacedGraph { neighbors: decomposer.neighbors(), points: &points };
-            let cover = graph.cover(|x| takes_part[x], SAMPLE_SPACING, progress)?;
+            let cover = graph.cover(&planes, SAMPLE_SPACING, progress)?;
             let sample_neighbors =
                 neighbors_of_cells(decomposer.neighbors(), &cover.owner, cover.sources.len());
             let sample_points: Vec<Vector> = cover.sources.iter().map(|&x| points[x as usize]).collect();
             let samples = PlacedGraph { neighbors: &sample_neighbors, points: &sample_points };
-            let nodes = samples.cover(|_| true, 1.0, progress)?.sources;
+            let mirrored = MirroredSamples { planes: &planes, cover: &cover };
+            let nodes = samples.cover(&mirrored, 1.0, progress)?.sources;
             if nodes.len() > MAX_NODES.max(2 * n_parts) {
                 spacing *= (nodes.len() as f64 / MAX_NODES as f64).sqrt().max(1.1);
                 continue;
@@ -312,6 +315,23 @@ fn paths_from_nodes(
         rows.offsets[s + 1] += rows.offsets[s];
     }
     Ok(rows)
+}
+
+/// Samples in the order of their vertices' covers, with the samples at their mirror images.
+struct MirroredSamples<'a> {
+    planes: &'a MirrorPlanes<'a>,
+    cover: &'a Cover,
+}
+
+impl SourceOrder for MirroredSamples<'_> {
+    fn order(&self) -> Vec<u32> {
+        (0..self.cover.sources.len() as u32).collect()
+    }
+
+    fn images(&self, sample: u32) -> Vec<u32> {
+        let images = self.planes.images(self.cover.sources[sample as usize]);
+        images.iter().map(|&y| self.cover.owner[y as usize]).filter(|&s| s != NO_SOURCE).collect()
+    }
 }
 
 /// Samples and nodes, from which the weights at any vertex follow.

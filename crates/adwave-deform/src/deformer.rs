@@ -1,18 +1,22 @@
 //! Deformation by handles with detail kept.
 
 mod carrier;
+mod facts;
+mod kept;
 
 use crate::coarse_base::{CoarseBase, ROWS_AT_A_TIME};
 use crate::front::NO_SOURCE;
+use crate::lengths::{KeptLengths, LengthSolver};
 use crate::newton::{EarlierSteps, NodeSolver, NodeState, StepLimits};
 use crate::node_energy::NodeEnergy;
 use crate::regions::{BoundRows, DeformRegions};
 use crate::rotation::{IDENTITY, Matrix, NO_TURN, image, to_matrix, turn_change};
-use crate::{DeformError, HandleMotion};
+use crate::{DeformError, HandleMotion, NewCrossings, new_crossings};
 use adwave::bands::Schedule;
 use adwave::vector::{Vector, add_scaled, subtract};
 use adwave::{Decomposer, Progress};
 use carrier::{Carrier, blend};
+pub use facts::{BindInfo, DeformInfo, DeformParams};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -30,59 +34,6 @@ const CONVERGED: f64 = 1e-7;
 
 /// Energy below which a shape counts as moved rigidly.
 const RIGID_ENERGY: f64 = 1e-24;
-
-/// Parameters of a deformation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct DeformParams {
-    /// Bending length in model units: rotations vary over at least about this length. The distance of the nodes if
-    /// `None`; 0 lets thin shapes wrinkle.
-    pub stiffness: Option<f64>,
-}
-
-impl DeformParams {
-    /// Sets [`stiffness`](Self::stiffness).
-    #[must_use]
-    pub fn with_stiffness(self, stiffness: Option<f64>) -> Self {
-        Self { stiffness, ..self }
-    }
-}
-
-/// Result of a step or a solve.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DeformInfo {
-    /// Number of Newton steps.
-    pub n_steps: usize,
-    /// Number of products with the Hessian.
-    pub n_products: usize,
-    /// Energy before the first step, without unit; the rest shape has 0.
-    pub energy_before: f64,
-    /// Energy after the last step.
-    pub energy_after: f64,
-    /// True if the energy no longer falls.
-    pub is_converged: bool,
-}
-
-/// Facts about a bound deformation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BindInfo {
-    /// Number of nodes.
-    pub n_nodes: usize,
-    /// Number of samples of the coarse shape over which the energy is summed.
-    pub n_samples: usize,
-    /// Width σ_J of the coarse shape in model units.
-    pub sigma: f64,
-    /// Distance of the nodes in model units.
-    pub spacing: f64,
-    /// Bending length in model units.
-    pub stiffness: f64,
-    /// Number of connected parts without a region, which follow the nearest part that has one.
-    pub n_following_parts: usize,
-    /// Vertices of those parts.
-    pub n_following_vertices: usize,
-    /// True if nothing is held: the shape then follows its handles as a whole.
-    pub is_free: bool,
-}
 
 /// A shape bound to handles, whose coarse shape bends while all finer detail rides along in turning frames.
 ///
@@ -113,6 +64,11 @@ pub struct Deformer {
     regions: DeformRegions,
     bound: BoundRows,
     stiffness: f64,
+    /// Share of lengths, and the solver for them once it was needed.
+    keep_lengths: f64,
+    length_solver: Option<LengthSolver>,
+    /// Positions that keep lengths, of the last solve.
+    kept: Option<KeptLengths>,
     energy: NodeEnergy,
     solver: NodeSolver,
     /// Motion of each region in units of the nodes, the fixed part first if there is one.
@@ -151,8 +107,11 @@ impl Deformer {
         if let Some(stiffness) = params.stiffness.filter(|l| !(l.is_finite() && *l >= 0.0)) {
             return Err(DeformError::BadStiffness(stiffness));
         }
+        if !(0.0..=1.0).contains(&params.keep_lengths) {
+            return Err(DeformError::BadLengths(params.keep_lengths));
+        }
         let base = Arc::new(CoarseBase::new(decomposer, schedule, progress)?);
-        Self::with_base(decomposer.clone(), base, regions, params.stiffness, progress)
+        Self::with_base(decomposer.clone(), base, regions, params, progress)
     }
 
     /// Binds the same shape to other regions; the nodes stay.
@@ -161,17 +120,18 @@ impl Deformer {
     /// As for [`bind`](Self::bind).
     pub fn rebind(&self, regions: &DeformRegions, progress: Progress<'_>) -> Result<Self, DeformError> {
         let stiffness = Some(self.stiffness * self.base.unit);
-        Self::with_base(self.decomposer.clone(), Arc::clone(&self.base), regions, stiffness, progress)
+        let params = DeformParams { stiffness, keep_lengths: self.keep_lengths };
+        Self::with_base(self.decomposer.clone(), Arc::clone(&self.base), regions, &params, progress)
     }
 
     fn with_base(
         decomposer: Decomposer,
         base: Arc<CoarseBase>,
         regions: &DeformRegions,
-        stiffness: Option<f64>,
+        params: &DeformParams,
         progress: Progress<'_>,
     ) -> Result<Self, DeformError> {
-        let stiffness = stiffness.map_or(1.0, |length| length / base.unit);
+        let stiffness = params.stiffness.map_or(1.0, |length| length / base.unit);
         let bound = BoundRows::new(&decomposer, &base, regions, progress)?;
         let energy = NodeEnergy::new(&base, &bound, stiffness * stiffness, progress)?;
         let is_point: Vec<bool> = bound.regions.iter().map(|region| region.is_point).collect();
@@ -190,6 +150,9 @@ impl Deformer {
             regions,
             bound,
             stiffness,
+            keep_lengths: params.keep_lengths,
+            length_solver: None,
+            kept: None,
             energy,
             solver,
             motions,
@@ -214,6 +177,11 @@ impl Deformer {
         }
     }
 
+    /// Share of lengths, [`DeformParams::keep_lengths`].
+    pub fn keep_lengths(&self) -> f64 {
+        self.keep_lengths
+    }
+
     /// Regions that the shape is bound to.
     pub fn regions(&self) -> &DeformRegions {
         &self.regions
@@ -235,6 +203,32 @@ impl Deformer {
         }
         self.motions[handle - 1 + usize::from(self.has_fixed)] = motion;
         Ok(())
+    }
+
+    /// Sets the motion of handle `handle` (from 1) to the [blend](HandleMotion::blend) of motions about its center.
+    ///
+    /// # Errors
+    /// As for [`set`](Self::set) and [`HandleMotion::blend`].
+    pub fn set_blend(
+        &mut self,
+        handle: usize,
+        motions: &[HandleMotion],
+        shares: &[f64],
+    ) -> Result<(), DeformError> {
+        let n_handles = self.regions.handles.len();
+        if handle == 0 || handle > n_handles {
+            return Err(DeformError::NoSuchHandle { handle, n_handles });
+        }
+        let center = self.center_of_handle(handle - 1);
+        self.set(handle, HandleMotion::blend(motions, shares, center)?)
+    }
+
+    /// Crossings of the deformed shape that the shape itself does not have.
+    ///
+    /// # Errors
+    /// As for [`new_crossings`].
+    pub fn new_crossings(&self, progress: Progress<'_>) -> Result<NewCrossings, DeformError> {
+        new_crossings(&self.decomposer, &self.points(), progress)
     }
 
     /// Mean position of the vertices of handle `k`, from 0, in model units.
@@ -302,6 +296,7 @@ impl Deformer {
     /// # Errors
     /// [`DeformError::Cancelled`] if the call is cancelled; the state is then that before the step.
     pub fn step(&mut self, progress: Progress<'_>) -> Result<DeformInfo, DeformError> {
+        self.kept = None;
         if !self.pull_handles() {
             self.is_at_rest = true;
             return Ok(DeformInfo { is_converged: true, ..DeformInfo::default() });
@@ -313,18 +308,33 @@ impl Deformer {
         Ok(DeformInfo {
             n_steps: 1,
             n_products: step.n_products,
+            n_length_steps: 0,
             energy_before: step.before,
             energy_after: step.after,
             is_converged: step.before - step.after <= CONVERGED * step.before,
         })
     }
 
-    /// Newton steps until the energy no longer falls: from the present state while handles are dragged, from rotations
-    /// spread over the shape otherwise, whichever has less energy.
+    /// Newton steps until the energy no longer falls, and then, if [`DeformParams::keep_lengths`] is above 0, steps of all
+    /// vertices that keep lengths.
     ///
     /// # Errors
-    /// As for [`step`](Self::step).
+    /// As for [`step`](Self::step), and [`DeformError::TooLargeForLengths`].
     pub fn solve(&mut self, progress: Progress<'_>) -> Result<DeformInfo, DeformError> {
+        self.kept = None;
+        let mut info = self.solve_nodes(progress)?;
+        if self.keep_lengths > 0.0 && !self.is_at_rest {
+            let kept = self.solve_lengths(progress)?;
+            info.n_length_steps = kept.n_steps;
+            info.is_converged &= kept.is_converged;
+            self.kept = Some(kept);
+        }
+        Ok(info)
+    }
+
+    /// Newton steps until the energy no longer falls: from the present state while handles are dragged, from rotations
+    /// spread over the shape otherwise, whichever has less energy.
+    fn solve_nodes(&mut self, progress: Progress<'_>) -> Result<DeformInfo, DeformError> {
         if !self.pull_handles() {
             self.is_at_rest = true;
             return Ok(DeformInfo { is_converged: true, ..DeformInfo::default() });
@@ -345,9 +355,12 @@ impl Deformer {
         }
         let mut info = DeformInfo { energy_before: value(&state), ..DeformInfo::default() };
         info.energy_after = info.energy_before;
-        while info.n_steps < MAX_STEPS && info.energy_after > RIGID_ENERGY {
-            progress.step(info.n_steps as u64, MAX_STEPS as u64)?;
-            let limits = StepLimits { max_products: SOLVE_PRODUCTS, progress };
+        // Where lengths alone decide, the nodes only show the way.
+        let (max_steps, max_products) =
+            if self.keep_lengths < 1.0 { (MAX_STEPS, SOLVE_PRODUCTS) } else { (1, DRAG_PRODUCTS) };
+        while info.n_steps < max_steps && info.energy_after > RIGID_ENERGY {
+            progress.step(info.n_steps as u64, max_steps as u64)?;
+            let limits = StepLimits { max_products, progress };
             let step = self.solver.step(&self.energy, &mut state, &mut self.earlier, limits)?;
             info.n_steps += 1;
             info.n_products += step.n_products;
@@ -357,7 +370,7 @@ impl Deformer {
                 break;
             }
         }
-        info.is_converged |= info.energy_after <= RIGID_ENERGY;
+        info.is_converged |= info.energy_after <= RIGID_ENERGY || self.keep_lengths == 1.0;
         self.state = state;
         self.is_at_rest = false;
         Ok(info)
@@ -454,6 +467,7 @@ impl Deformer {
 
     /// Takes all motions back and forgets earlier states, so that later results depend on the motions alone.
     pub fn reset(&mut self) {
+        self.kept = None;
         self.motions.fill(HandleMotion::default());
         self.pull_handles();
         self.earlier = EarlierSteps::default();

@@ -66,6 +66,19 @@ pub enum DeformError {
     /// The bending length is not a length.
     #[error("the stiffness must be a finite length of at least 0, got {0}")]
     BadStiffness(f64),
+    /// The share of lengths is not in \[0, 1\].
+    #[error("the share of lengths must be in 0..=1, got {0}")]
+    BadLengths(f64),
+    /// The shape is too large for a solve of all its vertices.
+    #[error(
+        "lengths can be kept on up to {most} vertices that move, got {n_free}; simplify the shape or leave their share at 0"
+    )]
+    TooLargeForLengths {
+        /// Vertices that move.
+        n_free: usize,
+        /// Most that can.
+        most: usize,
+    },
     /// The base has another number of vertices.
     #[error(
         "the base must have the {expected} vertices of the shape in their order, got {found}; \

@@ -86,29 +86,42 @@ impl PlacedGraph<'_> {
         reached
     }
 
-    /// Greedy cover in the order of the places.
+    /// Greedy cover in an order of the places; each source brings its images along.
     pub(crate) fn cover(
         &self,
-        takes_part: impl Fn(usize) -> bool,
+        sources_from: &impl SourceOrder,
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<Cover, Cancelled> {
         let n = self.points.len();
         let mut reached = Reached { owner: vec![NO_SOURCE; n], distance: vec![f64::INFINITY; n] };
         let mut sources = Vec::new();
-        for x in 0..n {
-            if x.is_multiple_of(AT_A_TIME) {
+        for (k, x) in sources_from.order().into_iter().enumerate() {
+            if k.is_multiple_of(AT_A_TIME) {
                 progress.check()?;
             }
-            if reached.owner[x] != NO_SOURCE || !takes_part(x) {
+            if reached.owner[x as usize] != NO_SOURCE {
                 continue;
             }
-            let number = sources.len() as u32;
-            sources.push(x as u32);
-            self.advance(&mut reached, &[(x as u32, number)], radius, FrontLength::Path);
+            for y in std::iter::once(x).chain(sources_from.images(x)) {
+                if reached.distance[y as usize] > 0.0 {
+                    let number = sources.len() as u32;
+                    sources.push(y);
+                    self.advance(&mut reached, &[(y, number)], radius, FrontLength::Path);
+                }
+            }
         }
         Ok(Cover { sources, owner: reached.owner })
     }
+}
+
+/// Order in which places become sources of a cover.
+pub(crate) trait SourceOrder {
+    /// Places that take part.
+    fn order(&self) -> Vec<u32>;
+
+    /// Places that become sources together with `x`, such as its mirror images.
+    fn images(&self, x: u32) -> Vec<u32>;
 }
 
 /// Fronts from one place after another over the same graph; each costs only the places that it covers.

@@ -2,7 +2,8 @@
 
 use crate::DeformError;
 use crate::rotation::{
-    IDENTITY, Matrix, determinant, exponential, image, nearest_rotation, product, to_matrix, transpose,
+    IDENTITY, Matrix, determinant, exponential, image, logarithm, nearest_rotation, product, to_matrix,
+    transpose,
 };
 use adwave::vector::{Vector, norm};
 
@@ -78,6 +79,48 @@ impl HandleMotion {
         }
         let row = |i: usize| [matrix[i][0], matrix[i][1], matrix[i][2]];
         Self::new([row(0), row(1), row(2)], [0, 1, 2].map(|i| matrix[i][3]))
+    }
+
+    /// Blend `I + Σ_i t_i (motion i − I)` of motions of one handle, in which rotations turn on the way: with
+    /// `L_i = R_i S_i`, `L = exp(Σ t_i log R_i) (I + Σ t_i (S_i − I))`, and the center moves by the blended vector. Rotations
+    /// of more than 180° are taken the shorter way. `center` is a point of the handle, in model units.
+    ///
+    /// ```
+    /// use adwave_deform::HandleMotion;
+    /// let (axis, center) = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    /// let (a, b) = (HandleMotion::from_turn(axis, 0.4, center)?, HandleMotion::from_turn(axis, 1.6, center)?);
+    /// let blend = HandleMotion::blend(&[a, b], &[0.5, 0.25], center)?;
+    /// let (found, expected) = (blend.apply(&[3.0, 0.0, 0.0]), HandleMotion::from_turn(axis, 0.6, center)?.apply(&[3.0, 0.0, 0.0]));
+    /// assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-12));
+    /// # Ok::<(), adwave_deform::DeformError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`DeformError::BadShare`] for another number of shares; [`new`](Self::new)'s errors.
+    pub fn blend(motions: &[Self], shares: &[f64], center: Vector) -> Result<Self, DeformError> {
+        if motions.len() != shares.len() {
+            let (expected, found) = (motions.len(), shares.len());
+            return Err(DeformError::BadShare(format!(
+                "a blend needs a share for each motion, {expected} in all, got {found}"
+            )));
+        }
+        let (mut turn, mut stretch, mut moved) = ([0.0; 3], IDENTITY, center);
+        for (motion, &share) in motions.iter().zip(shares) {
+            let quaternion = motion.rotation();
+            let vector = logarithm(&quaternion);
+            let own = product(&transpose(&to_matrix(&quaternion)), &motion.linear);
+            let image = motion.apply(&center);
+            for i in 0..3 {
+                turn[i] += share * vector[i];
+                moved[i] += share * (image[i] - center[i]);
+                for j in 0..3 {
+                    stretch[i][j] += share * (own[i][j] - IDENTITY[i][j]);
+                }
+            }
+        }
+        let linear = product(&to_matrix(&exponential(&turn)), &stretch);
+        let turned = image(&linear, &center);
+        Self::new(linear, [0, 1, 2].map(|c| moved[c] - turned[c]))
     }
 
     /// Image of a point.

@@ -8,6 +8,9 @@ use adwave::vector::{Vector, norm};
 use adwave::{Decomposer, Progress};
 use adwave_io::{Pose, PoseHandle};
 
+/// Largest share of a pose in a blend.
+const MOST_SHARE: f64 = 1e6;
+
 /// Binds a shape to the regions of a pose; [`set_pose`] sets the motions. `vertices` lists the vertices of a region.
 /// `earlier` is a deformer of the same shape and width, whose base is used again if it can be.
 ///
@@ -24,7 +27,9 @@ pub fn bind_pose<E: From<DeformError>>(
 ) -> Result<Deformer, E> {
     let regions = pose_regions(decomposer, pose, vertices)?;
     // With a stiffness of its own, the units of the earlier one would round it.
-    if let Some(earlier) = earlier.filter(|_| pose.stiffness.is_none()) {
+    if let Some(earlier) =
+        earlier.filter(|earlier| pose.stiffness.is_none() && earlier.keep_lengths() == pose.keep_lengths)
+    {
         return Ok(earlier.rebind(&regions, progress)?);
     }
     let extent = decomposer.extent();
@@ -36,7 +41,8 @@ pub fn bind_pose<E: From<DeformError>>(
         }
         Some(value) => return Err(DeformError::BadLength { what: "the width of a pose", value }.into()),
     };
-    let params = DeformParams { stiffness: pose.stiffness.map(|length| length.to_model_units(extent)) };
+    let stiffness = pose.stiffness.map(|length| length.to_model_units(extent));
+    let params = DeformParams { stiffness, keep_lengths: pose.keep_lengths };
     Ok(Deformer::bind(decomposer, &schedule, &regions, &params, progress)?)
 }
 
@@ -50,6 +56,62 @@ pub fn set_pose(deformer: &mut Deformer, pose: &Pose) -> Result<(), DeformError>
         deformer.set(k + 1, motion)?;
     }
     Ok(())
+}
+
+/// Blend of poses that differ by the motions of their handles alone: turns and translations are weighted sums, so that
+/// handles turn on the way, and the shape bends anew instead of moving along straight lines. The pose at rest has what
+/// the shares leave to 1.
+///
+/// # Errors
+/// [`DeformError::BadShare`] if there is no pose, if regions, width, stiffness or lengths differ, and for another number
+/// of shares or one that is not finite.
+///
+/// ```
+/// use adwave_io::{Pose, PoseHandle};
+/// let region: adwave::region::Region = adwave::region::parse_region("ball:vertex=7,radius=5%")?;
+/// let turned = |degrees: f64| {
+///     let handle = PoseHandle { by: [0.0; 3], turn: [degrees, 0.0, 0.0], region: region.clone() };
+///     Pose { handles: vec![handle], ..Pose::default() }
+/// };
+/// let blend = adwave_deform::blend_poses(&[turned(20.0), turned(80.0)], &[0.5, 0.25])?;
+/// assert_eq!(blend.handles[0].turn, [30.0, 0.0, 0.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn blend_poses(poses: &[Pose], shares: &[f64]) -> Result<Pose, DeformError> {
+    if shares.len() != poses.len() {
+        return Err(DeformError::BadShare(format!(
+            "a blend needs a share for each pose, {} in all, got {}",
+            poses.len(),
+            shares.len()
+        )));
+    }
+    if let Some(share) = shares.iter().find(|share| !(share.is_finite() && share.abs() <= MOST_SHARE)) {
+        return Err(DeformError::BadShare(format!("shares of poses must be in -1e6..=1e6, got {share:?}")));
+    }
+    let Some(first) = poses.first() else {
+        return Err(DeformError::BadShare("a blend needs at least one pose, got none".to_owned()));
+    };
+    let mut blend = first.clone();
+    for handle in &mut blend.handles {
+        (handle.by, handle.turn) = ([0.0; 3], [0.0; 3]);
+    }
+    for (k, (pose, share)) in poses.iter().zip(shares).enumerate() {
+        let mut at_rest = pose.clone();
+        for (handle, sum) in at_rest.handles.iter_mut().zip(&mut blend.handles) {
+            for c in 0..3 {
+                sum.by[c] += share * handle.by[c];
+                sum.turn[c] += share * handle.turn[c];
+            }
+            (handle.by, handle.turn) = (sum.by, sum.turn);
+        }
+        if at_rest != blend {
+            return Err(DeformError::BadShare(format!(
+                "poses of a blend must have the same regions, width, stiffness and lengths, and pose {} differs from the first",
+                k + 1
+            )));
+        }
+    }
+    Ok(blend)
 }
 
 /// Turn about a center, and then a translation.

@@ -98,6 +98,16 @@ pub(crate) fn exponential(v: &Vector) -> [f64; 4] {
     normalized(&[(0.5 * angle).cos(), s * v[0], s * v[1], s * v[2]])
 }
 
+/// Vector of the rotation by a unit quaternion, whose length is the angle in radians, at most π.
+pub(crate) fn logarithm(q: &[f64; 4]) -> Vector {
+    let sign = if q[0] < 0.0 { -1.0 } else { 1.0 };
+    let axis = [1, 2, 3].map(|c| sign * q[c]);
+    let sine = (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
+    // angle/sin(angle/2), whose limit at 0 is 2.
+    let factor = if sine < 1e-8 { 2.0 } else { 2.0 * sine.atan2(sign * q[0]) / sine };
+    axis.map(|c| factor * c)
+}
+
 /// Rotation R with the largest `⟨R, m⟩`, that is the rotation nearest to `m` (`horn1987`). A matrix that prefers no
 /// rotation gives none.
 #[expect(clippy::needless_range_loop, reason = "rows and columns of one matrix")]
@@ -183,6 +193,10 @@ mod tests {
                 assert!((a - b).abs() < 1e-14, "{v:?}: {a} {b}");
             }
             assert!((determinant(&r) - 1.0).abs() < 1e-14);
+            let again = to_matrix(&exponential(&logarithm(&exponential(&v))));
+            for (a, b) in r.as_flattened().iter().zip(again.as_flattened()) {
+                assert!((a - b).abs() < 1e-14, "{v:?}: {a} {b}");
+            }
         }
     }
 

@@ -14,6 +14,9 @@ pub struct Pose {
     /// Bending length; that of the base if `None`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Length>,
+    /// Share of lengths in [0, 1]: 0 keeps detail, 1 lengths.
+    #[serde(default, skip_serializing_if = "is_nothing")]
+    pub keep_lengths: f64,
     /// Region that stays where it is, except for the vertices of handles; nothing stays if `None`.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "region_or_nothing")]
     pub fixed: Option<Region>,
@@ -76,7 +79,7 @@ pub struct DetailClone {
     /// Distance at which a clone has faded out.
     pub radius: Length,
     /// Turn about the normal in degrees, counterclockwise seen from outside.
-    #[serde(default, skip_serializing_if = "has_no_turn")]
+    #[serde(default, skip_serializing_if = "is_nothing")]
     pub angle: f64,
     /// Share of the present detail that is replaced, in [0, 1].
     #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -84,7 +87,7 @@ pub struct DetailClone {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands the field by reference")]
-fn has_no_turn(value: &f64) -> bool {
+fn is_nothing(value: &f64) -> bool {
     *value == 0.0
 }
 

@@ -216,7 +216,7 @@ impl Poser {
 }
 
 fn has_equal_base(a: &Pose, b: &Pose) -> bool {
-    a.width == b.width && a.stiffness == b.stiffness
+    a.width == b.width && a.stiffness == b.stiffness && a.keep_lengths == b.keep_lengths
 }
 
 fn has_equal_regions(a: &Pose, b: &Pose) -> bool {

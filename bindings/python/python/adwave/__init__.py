@@ -62,7 +62,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
     "_decomposer": ("Bands", "Decomposer", "Layer"),
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
-    "_deform": ("CloneResult", "Deformer"),
+    "_deform": ("CloneResult", "Crossing", "Deformer"),
     "_detail": ("morph", "transfer"),
     "_edits": ("decompose", "filter", "filter_labels", "smooth"),
     "_denoise": ("DenoiseResult", "denoise"),

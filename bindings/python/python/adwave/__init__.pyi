@@ -18,6 +18,7 @@ from adwave._options import Operator as Operator
 from adwave._options import Steps as Steps
 from adwave._options import Widths as Widths
 from adwave._deform import CloneResult as CloneResult
+from adwave._deform import Crossing as Crossing
 from adwave._deform import Deformer as Deformer
 from adwave._detail import morph as morph
 from adwave._detail import transfer as transfer
@@ -99,6 +100,7 @@ __all__ = [
     "Coefficients",
     "ColorScale",
     "Constraints",
+    "Crossing",
     "Decomposer",
     "Deformer",
     "DenoiseResult",

@@ -182,6 +182,7 @@ class Decomposer(PreparedShape):
         *,
         levels: LevelsLike = None,
         stiffness: float | str | None = None,
+        keep_lengths: float = 0.0,
         progress: ProgressLike = None,
     ) -> Deformer:
         """Bind the shape to handles; see `Deformer`.
@@ -197,10 +198,14 @@ class Decomposer(PreparedShape):
             The base is the last level; by default one of 4.5 % of the diagonal.
         stiffness : float or str, optional
             Bending length, in model units or as a share of the diagonal; 0.75 times the width of the base by default.
+        keep_lengths : float
+            Share of lengths in [0, 1]: 0 keeps the detail, 1 the lengths of edges.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        return Deformer(self, fixed, handles, levels=levels, stiffness=stiffness, progress=progress)
+        return Deformer(
+            self, fixed, handles, levels=levels, stiffness=stiffness, keep_lengths=keep_lengths, progress=progress
+        )
 
 
 _DOUBLE: np.dtype[Any] = np.dtype(np.float64)

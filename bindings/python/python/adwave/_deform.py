@@ -23,11 +23,12 @@ _SIZE = 4
 
 @dataclass(frozen=True)
 class DeformOptions:
-    """Regions and stiffness, as the extension takes them."""
+    """Regions, stiffness and share of lengths, as the extension takes them."""
 
     fixed: list[int]
     handles: list[list[int]]
     stiffness: Union[Length, None]
+    keep_lengths: float
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,37 @@ def _fixed_first(arguments: tuple[Any, ...], options: dict[str, Any]) -> tuple[t
     return arguments, options
 
 
+def _matrix(motion: ArrayLike) -> list[list[float]]:
+    """A motion as a 4 × 4 matrix."""
+    given = np.asarray(motion, dtype=np.float64)
+    matrix = np.eye(_SIZE)
+    if given.shape == (3,):
+        matrix[:3, 3] = given
+    elif given.shape in ((3, _SIZE), (_SIZE, _SIZE)):
+        matrix[: len(given)] = given
+    else:
+        raise ValueError(f"motion must have shape (3,), (3, 4) or (4, 4), got {given.shape}")
+    return matrix.tolist()
+
+
+class Crossing(NamedTuple):
+    """Place where a deformed surface crosses itself.
+
+    Attributes
+    ----------
+    vertex : int
+        A vertex of the place.
+    point : (3,) array
+        Its middle in model units.
+    n_pairs : int
+        Number of pairs of triangles that pierce each other.
+    """
+
+    vertex: int
+    point: NDArray[np.float64]
+    n_pairs: int
+
+
 class Deformer:
     """A shape whose coarse base bends by handles while its detail rides along in turning frames.
 
@@ -87,6 +119,9 @@ class Deformer:
     -----
     Handles follow their motions exactly, up to rounding. Parts without a handle follow the nearest part that has one. A
     step costs the same on any number of vertices; `points` costs O(n).
+
+    With ``keep_lengths`` above 0, `solve` then moves each vertex so that edges keep their lengths: 1 keeps them as well as
+    as-rigid-as-possible deformation does, values between weigh them against the detail. `step` shows the shape for 0.
 
     Examples
     --------
@@ -113,13 +148,14 @@ class Deformer:
         *,
         levels: LevelsLike = None,
         stiffness: Length | None = None,
+        keep_lengths: float = 0.0,
         progress: ProgressLike = None,
     ) -> None:
         own = decomposer.for_levels(levels)
         if isinstance(handles, str):
             raise TypeError("handles must be a sequence of regions, got one str; put it into a list")
         regions = [_vertices(own, handle, f"handles[{i}]") for i, handle in enumerate(handles)]
-        options = DeformOptions(_vertices(own, fixed, "fixed"), regions, stiffness)
+        options = DeformOptions(_vertices(own, fixed, "fixed"), regions, stiffness, float(keep_lengths))
         with report_progress(progress, "binding") as report:
             steps = _native.base_steps(own._data) if levels is None else own.schedule(levels)
             self._data = _native.DeformerData(own._data, steps, options, report)
@@ -141,16 +177,60 @@ class Deformer:
         ValueError
             If there is no such handle, or the motion mirrors or is not finite.
         """
-        given = np.asarray(motion, dtype=np.float64)
-        matrix = np.eye(_SIZE)
-        if given.shape == (3,):
-            matrix[:3, 3] = given
-        elif given.shape in ((3, _SIZE), (_SIZE, _SIZE)):
-            matrix[: len(given)] = given
-        else:
-            raise ValueError(f"motion must have shape (3,), (3, 4) or (4, 4), got {given.shape}")
-        self._data.set(handle, matrix.tolist())
+        self._data.set(handle, _matrix(motion))
         self._is_moved = True
+
+    def blend(self, handle: int, motions: Sequence[ArrayLike], shares: Sequence[float]) -> None:
+        """Set the motion of a handle to a blend of the motions that it has in several poses.
+
+        Rotations are blended as rotations, so that a limb swings from pose to pose and keeps its length on the way. The
+        pose at rest has what the shares leave to 1.
+
+        Parameters
+        ----------
+        handle : int
+            Number of the handle, counted from 0.
+        motions : sequence of array_like
+            Motion of the handle in each pose, as `move` takes them.
+        shares : sequence of float
+            Share of each pose; shares beyond [0, 1] exaggerate.
+
+        Raises
+        ------
+        ValueError
+            If there is no such handle, the numbers of motions and shares differ, or a motion mirrors.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> shape = aw.sample("creature", vertices=2000)
+        >>> d = shape.deformer(None, ["half-space:point=0 1.6 0,normal=0 1 0"])
+        >>> d.blend(0, [[0.2, 0.0, 0.0], [0.0, 0.0, 0.4]], [0.5, 0.25])
+        >>> (d.points - shape.points).mean(axis=0).round(3).tolist()
+        [0.1, 0.0, 0.1]
+        """
+        self._data.set_blend(handle, [_matrix(motion) for motion in motions], [float(share) for share in shares])
+        self._is_moved = True
+
+    def crossings(self) -> list[Crossing]:
+        """Places where triangles of the deformed shape cross and did not before, the largest first.
+
+        Returns
+        -------
+        list of Crossing
+            ``vertex``, ``point`` and ``n_pairs`` of each; empty for a cloud.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> shape = aw.sample("creature", vertices=2000)
+        >>> d = shape.deformer(None, ["half-space:point=0 1.6 0,normal=0 1 0"])
+        >>> d.crossings()
+        []
+        """
+        if self._is_moved:
+            self.solve()
+        return [Crossing(vertex, np.array(point), n_pairs) for vertex, point, n_pairs in self._data.crossings()]
 
     def step(self) -> dict[str, Any]:
         """One step toward the handles, for use while one is dragged; `points` then solves no further.

@@ -325,6 +325,7 @@ class Shape(Carrier):
         *,
         levels: object = None,
         stiffness: float | str | None = None,
+        keep_lengths: float = 0.0,
     ) -> Deformer:
         """Bind the shape to handles; see `Deformer`.
 
@@ -338,10 +339,13 @@ class Shape(Carrier):
             The base is the last level; by default one of 4.5 % of the diagonal.
         stiffness : float or str, optional
             Bending length, in model units or as a share of the diagonal; 0.75 times the width of the base by default.
+        keep_lengths : float
+            Share of lengths in [0, 1]: 0 keeps the detail, 1 the lengths of edges.
         """
         import adwave  # the package loads the module of `Decomposer`, which is above this one, when it is first named
 
-        return adwave.Decomposer(self).deformer(fixed, handles, levels=levels, stiffness=stiffness)  # type: ignore[arg-type]
+        bound = adwave.Decomposer(self)
+        return bound.deformer(fixed, handles, levels=levels, stiffness=stiffness, keep_lengths=keep_lengths)  # type: ignore[arg-type]
 
     def select(
         self, only: Conditions | None = None, *, mask: ArrayLike | Path | None = None, invert_mask: bool = False

@@ -192,11 +192,15 @@ impl Ldlt {
     }
 
     /// Solves in place for any number of right-hand sides, column-major. Groups of eight run on separate threads.
-    pub(crate) fn solve_columns(&self, columns: &mut [f64]) {
+    ///
+    /// # Panics
+    /// Unless the length is a multiple of the number of rows.
+    pub fn solve_columns(&self, columns: &mut [f64]) {
         let n = self.n();
         if n == 0 {
             return;
         }
+        assert!(columns.len().is_multiple_of(n), "whole columns of {n} rows");
         let forward = self.pattern.symbolic.perm().map(|p| p.arrays().0);
         columns.par_chunks_mut(n * LANES).for_each(|group| {
             let mut x = vec![[0.0; LANES]; n];

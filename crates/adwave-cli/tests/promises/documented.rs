@@ -222,6 +222,7 @@ fn write_named_files(folder: &Path) {
     fs::write(at("edit.toml"), recipe).unwrap();
     let pose = "[pose]\nfixed = 'ball:vertex=7,radius=10%'\n[[pose.handle]]\nregion = 'ball:vertex=1972,radius=5%'\nby = [0.0, 0.0, 0.3]\n";
     fs::write(at("pose.toml"), pose).unwrap();
+    fs::write(at("leap.toml"), pose.replace("0.0, 0.0, 0.3", "0.0, 0.2, 0.0")).unwrap();
 }
 
 /// Frames of a shape that sways, as files and as an array.

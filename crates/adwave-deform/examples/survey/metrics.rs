@@ -1,10 +1,10 @@
 //! Measures of a deformation of a mesh.
 
-use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::shape::enclosed_volume;
 use adwave::vector::{cross, dot, norm, subtract, unit};
-use adwave_deform::nearest_turn;
+use adwave::{Decomposer, Progress};
+use adwave_deform::{nearest_turn, new_crossings};
 use std::collections::HashMap;
 
 /// Measures of one deformed mesh.
@@ -43,7 +43,7 @@ pub(crate) fn measure(decomposer: &Decomposer, schedule: &Schedule, after: Point
         strain_99: strains[strains.len() * 99 / 100],
         dihedral: (squares / angles.len() as f64).sqrt().to_degrees(),
         folds: angles.iter().filter(|(a, b)| a.abs() < 1.5 && b.abs() > 2.6).count(),
-        crossing: crossing_triangles(after, &triangles),
+        crossing: new_crossings(decomposer, after, Progress::none()).expect("a mesh").n_pairs,
         volume: (!open).then(|| volume(after) / volume(before) - 1.0),
         detail: detail_error(decomposer, schedule, after),
     }
@@ -102,66 +102,4 @@ fn detail_error(decomposer: &Decomposer, schedule: &Schedule, after: Points<'_>)
         size += dot(&d[v], &d[v]);
     }
     (error / size).sqrt()
-}
-
-/// Number of triangles that cross another without sharing a corner.
-fn crossing_triangles(p: Points<'_>, triangles: &[[u32; 3]]) -> usize {
-    let corner = |f: usize, k: usize| &p[triangles[f][k] as usize];
-    let mut mean = 0.0;
-    for f in 0..triangles.len() {
-        mean += norm(&subtract(corner(f, 1), corner(f, 0))) / triangles.len() as f64;
-    }
-    let flat = FLAT * mean * mean * mean;
-    let cell = |c: f64| (c / (2.0 * mean)).floor() as i64;
-    let mut grid: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    let span = |f: usize, c: usize| {
-        let v = [0, 1, 2].map(|k| corner(f, k)[c]);
-        (cell(v[0].min(v[1]).min(v[2])), cell(v[0].max(v[1]).max(v[2])))
-    };
-    for f in 0..triangles.len() {
-        let (x, y, z) = (span(f, 0), span(f, 1), span(f, 2));
-        for i in x.0..=x.1 {
-            for j in y.0..=y.1 {
-                for k in z.0..=z.1 {
-                    grid.entry([i, j, k]).or_default().push(f);
-                }
-            }
-        }
-    }
-    let mut crosses = vec![false; triangles.len()];
-    for faces in grid.values() {
-        for (n, &f) in faces.iter().enumerate() {
-            for &g in &faces[n + 1..] {
-                if triangles[f].iter().any(|c| triangles[g].contains(c)) || (crosses[f] && crosses[g]) {
-                    continue;
-                }
-                let cuts = |f: usize, g: usize| {
-                    (0..3).any(|k| {
-                        pierces(corner(f, k), corner(f, (k + 1) % 3), [0, 1, 2].map(|k| corner(g, k)), flat)
-                    })
-                };
-                if cuts(f, g) || cuts(g, f) {
-                    (crosses[f], crosses[g]) = (true, true);
-                }
-            }
-        }
-    }
-    crosses.iter().filter(|c| **c).count()
-}
-
-/// Volume, relative to the cubed mean edge, below which four points count as lying in a plane: parts that move rigidly stay
-/// flat up to rounding.
-const FLAT: f64 = 1e-9;
-
-/// True if a segment goes through a triangle.
-fn pierces(a: &[f64; 3], b: &[f64; 3], t: [&[f64; 3]; 3], flat: f64) -> bool {
-    let volume = |p: &[f64; 3], q: &[f64; 3], r: &[f64; 3], s: &[f64; 3]| {
-        dot(&subtract(q, p), &cross(&subtract(r, p), &subtract(s, p)))
-    };
-    let (u, v) = (volume(a, t[0], t[1], t[2]), volume(b, t[0], t[1], t[2]));
-    if u * v >= 0.0 || u.abs().min(v.abs()) < flat {
-        return false;
-    }
-    let s = [0, 1, 2].map(|k| volume(a, b, t[k], t[(k + 1) % 3]));
-    s.iter().all(|c| *c > 0.0) || s.iter().all(|c| *c < 0.0)
 }

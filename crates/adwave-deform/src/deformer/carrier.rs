@@ -3,8 +3,9 @@
 use super::{ColumnMotion, Deformer};
 use crate::HandleMotion;
 use crate::coarse_base::BlendRow;
+use crate::lengths::KeptLengths;
 use crate::rotation::{NO_TURN, compose, image, normalized, turn_change};
-use adwave::vector::{Vector, add_scaled};
+use adwave::vector::{Vector, add_scaled, subtract};
 
 /// Motions of all columns, ready to move vertices.
 pub(super) struct Carrier<'a> {
@@ -39,6 +40,11 @@ impl<'a> Carrier<'a> {
         let Deformer { base, bound, is_at_rest, .. } = self.deformer;
         let x = self.welded[v] as usize;
         let mut point = *p;
+        if let Some(kept) = self.length_positions(x) {
+            let detail = subtract(p, &self.deformer.decomposer.positions()[x]);
+            let change = turn_change(&kept.turns[x], &detail);
+            return [0, 1, 2].map(|c| kept.points[x][c] + (detail[c] + change[c]));
+        }
         if *is_at_rest || !base.takes_part[x] {
             if let (Some(exact), false) = (self.deformer.exact_motion(x), *is_at_rest) {
                 return exact.apply(p);
@@ -58,10 +64,18 @@ impl<'a> Carrier<'a> {
         self.common.as_ref().map_or(point, |common| common.apply(&point))
     }
 
+    /// Positions that keep lengths, if welded vertex `x` has one.
+    fn length_positions(&self, x: usize) -> Option<&'a KeptLengths> {
+        self.deformer.kept.as_ref().filter(|_| self.deformer.moves_freely(x))
+    }
+
     /// Rotation of the frame of vertex `v`.
     pub(super) fn turn(&self, v: usize) -> [f64; 4] {
         let Deformer { base, bound, .. } = self.deformer;
         let x = self.welded[v] as usize;
+        if let Some(kept) = self.length_positions(x) {
+            return kept.turns[x];
+        }
         let (_, turn) = blend(&self.motions, bound.rows.row(x), &base.points[x]);
         self.common_turn.map_or(turn, |common| normalized(&compose(&common, &turn)))
     }

@@ -56,6 +56,8 @@ export interface PoseHandle extends Listed {
 export interface Pose {
   width?: Length;
   stiffness?: Length;
+  /** Share of lengths, 0 to 1; 0 if absent. */
+  keep_lengths?: number;
   fixed?: Region | null;
   /** False if the pins have no effect. */
   pinned?: boolean;

@@ -18,6 +18,7 @@ Examples:
   adwave deform cat.ply -o up.ply --fix 'ball:vertex=7,radius=10%' \\
     --move 'ball:vertex=1972,radius=5%' --by 0,0,0.3
   adwave deform cat.ply -o posed.ply --recipe pose.toml
+  adwave deform cat.ply -o between.ply --recipe pose.toml --recipe leap.toml --shares 0.5,0.5
   adwave deform cat.ply -o two.ply --move vertices:indices=1972 --to 0,1,2 \\
     --move vertices:indices=1500 --to 0,1,3"))]
 pub(crate) struct DeformArgs {
@@ -44,13 +45,33 @@ pub(crate) struct DeformArgs {
     /// Move the handle by the 4 × 4 matrix in a text file: 16 numbers by rows, the last row 0 0 0 1
     #[arg(long, value_name = "FILE", value_parser = matrix, help_heading = "Handles")]
     pub(crate) matrix: Vec<MotionText>,
-    /// Take handles, width and stiffness from the [pose] of a recipe; its layers are left to 'adwave filter --recipe'
-    #[arg(long, value_name = "FILE", help_heading = "Handles", conflicts_with_all = ["fix", "handles", "by", "to", "turn", "matrix", "stiffness", "width"])]
-    pub(crate) recipe: Option<PathBuf>,
+    /// Take handles, width, stiffness and lengths from the [pose] of a recipe; its layers are left to 'adwave filter
+    /// --recipe'. Several with --shares give a blend of their poses
+    #[arg(long, value_name = "FILE", help_heading = "Handles", conflicts_with_all = ["fix", "handles", "by", "to", "turn", "matrix", "stiffness", "width", "keep_lengths"])]
+    pub(crate) recipe: Vec<PathBuf>,
+    /// Share of each pose of --recipe, with commas; the rest pose has what is left to 1
+    #[arg(
+        long,
+        value_name = "T,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        help_heading = "Handles",
+        requires = "recipe"
+    )]
+    pub(crate) shares: Vec<f64>,
     /// Bending length, in model units or in % of the diagonal: longer is stiffer, 0 wrinkles [default: 0.75 times
     /// --width]
     #[arg(long, value_name = "L", value_parser = length, allow_negative_numbers = true, help_heading = "Base")]
     pub(crate) stiffness: Option<Length>,
+    /// Share of lengths in [0, 1]: 0 keeps the detail, 1 the lengths of edges, at a higher cost
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Base"
+    )]
+    pub(crate) keep_lengths: f64,
     #[command(flatten)]
     pub(crate) width: BaseWidthArgs,
 }

@@ -15,7 +15,7 @@ use crate::resolve::shape::{GivenLength, Input, load_shape};
 use adwave::operator::OperatorTask;
 use adwave::region::Region;
 use adwave::{Decomposer, Progress};
-use adwave_deform::{DeformInfo, DeformParams, DeformRegions, Deformer};
+use adwave_deform::{DeformInfo, DeformParams, DeformRegions, Deformer, NewCrossings, blend_poses};
 use adwave_io::{Pose, read_recipe};
 pub(crate) use args::DeformArgs;
 use motion::MotionText;
@@ -29,14 +29,14 @@ pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError
     check_writable(&args.output)?;
     let motions: Vec<&MotionText> =
         args.by.iter().chain(&args.to).chain(&args.turn).chain(&args.matrix).collect();
-    if args.recipe.is_none() && motions.len() != args.handles.len() {
+    if args.recipe.is_empty() && motions.len() != args.handles.len() {
         return Err(CliError::Input(format!(
             "each --move needs one motion (--by, --to, --turn or --matrix), got {} for {}",
             count(motions.len(), "motion", "motions"),
             count(args.handles.len(), "handle", "handles")
         )));
     }
-    let pose = args.recipe.as_deref().map(|path| pose_of_recipe(path, global)).transpose()?;
+    let pose = pose_of_recipes(args, global)?;
     let input = load_shape(&args.shape, global)?;
     let stiffness = args.stiffness.map(|length| GivenLength { option: "--stiffness", length });
     input.check_lengths(&[args.width.given_lengths(), stiffness.into_iter().collect()].concat())?;
@@ -51,7 +51,8 @@ pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError
         resolve_regions(args, &input, &decomposer, global, progress)
     })?;
     let params = DeformParams::default()
-        .with_stiffness(args.stiffness.map(|length| length.to_model_units(decomposer.extent())));
+        .with_stiffness(args.stiffness.map(|length| length.to_model_units(decomposer.extent())))
+        .with_keep_lengths(args.keep_lengths);
     let bind = |progress: Progress<'_>| Deformer::bind(&decomposer, &schedule, &regions, &params, progress);
     let mut deformer = with_progress(global, "binding", bind)?;
     let rest = input.shape.points().unwrap_or_default();
@@ -71,9 +72,28 @@ fn write_bent(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     note_parts(deformer, info, global);
-    let (text, report) = describe(&input, decomposer, deformer, info);
+    let (text, mut report) = describe(&input, decomposer, deformer, info);
     let points = deformer.points();
+    let crossings =
+        with_progress(global, "looking for crossings", |progress| deformer.new_crossings(progress))?;
+    warn_of_crossings(&crossings, deformer.keep_lengths(), global);
+    report["new_crossings"] = json!(crossings.n_pairs);
     MovedShape { input, decomposer, points, text, report }.write(&args.output, global)
+}
+
+/// The pose of a recipe, or the blend of several; `None` without a recipe.
+fn pose_of_recipes(args: &DeformArgs, global: &Global<'_>) -> Result<Option<Pose>, CliError> {
+    let poses: Vec<Pose> =
+        args.recipe.iter().map(|path| pose_of_recipe(path, global)).collect::<Result<_, _>>()?;
+    if poses.is_empty() && !args.shares.is_empty() {
+        let text =
+            "--shares applies to the poses of --recipe, and there is none; add --recipe FILE or leave it out";
+        return Err(CliError::Input(text.to_owned()));
+    }
+    if poses.len() <= 1 && args.shares.is_empty() {
+        return Ok(poses.into_iter().next());
+    }
+    Ok(Some(blend_poses(&poses, &args.shares)?))
 }
 
 /// The pose of a recipe; a note tells that its layers are not applied.
@@ -146,6 +166,26 @@ fn note_parts(deformer: &Deformer, info: &DeformInfo, global: &Global<'_>) {
     }
 }
 
+/// Warns of triangles that cross and did not before, and names the largest place.
+fn warn_of_crossings(crossings: &NewCrossings, keep_lengths: f64, global: &Global<'_>) {
+    let Some(place) = crossings.places.first() else { return };
+    let [x, y, z] = place.point.map(number);
+    let pairs = count(crossings.n_pairs, "pair of triangles crosses", "pairs of triangles cross");
+    let others = match crossings.places.len() - 1 {
+        0 => String::new(),
+        n => format!(" and at {}", count(n, "other place", "other places")),
+    };
+    let advice = if keep_lengths < 1.0 { ", or keep lengths (--keep-lengths 1)" } else { "" };
+    note(
+        global,
+        &format!(
+            "{pairs} that did not before, most near vertex {} ({x}, {y}, {z}){others}; give the handles a smaller motion \
+             or other regions{advice}",
+            place.vertex
+        ),
+    );
+}
+
 /// Lines and numbers about the bend.
 fn describe(
     input: &Input,
@@ -171,6 +211,10 @@ fn describe(
         number(bound.stiffness),
         count(info.n_steps, "step", "steps"),
     );
+    if deformer.keep_lengths() > 0.0 {
+        let steps = count(info.n_length_steps, "further step", "further steps");
+        let _ = writeln!(text, "lengths kept at a share of {}; {steps}", number(deformer.keep_lengths()));
+    }
     let report = json!({
         "sigma": bound.sigma,
         "nodes": bound.n_nodes,
@@ -180,6 +224,8 @@ fn describe(
         "following_parts": bound.n_following_parts,
         "following_vertices": bound.n_following_vertices,
         "steps": info.n_steps,
+        "keep_lengths": deformer.keep_lengths(),
+        "length_steps": info.n_length_steps,
         "energy": info.energy_after,
         "converged": info.is_converged,
     });
