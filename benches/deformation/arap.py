@@ -1,8 +1,9 @@
-"""As-rigid-as-possible deformation by libigl, on the four tests of the survey `botsch2008` and on one larger mesh.
+"""As-rigid-as-possible deformation by libigl, on tests such as the four of the survey `botsch2008` and on one larger mesh.
 
-`python arap.py FOLDER OUT [ITERATIONS]` reads NAME.off, NAME.sel and NAME.def below FOLDER and writes OUT/NAME-arap.off, which the
-example `survey` of adwave-deform measures. `python arap.py --time MESH.ply` times one iteration with the ends along y as
-handles. Needs `pip install libigl numpy`.
+`python arap.py FOLDER OUT [ITERATIONS]` reads each NAME.off with NAME.sel and NAME.def below FOLDER and writes
+OUT/NAME-arap.off, which the example `survey` of adwave-deform measures; it prints the seconds of the processor for all
+iterations, and until the stretch of the edges (rms) is within 2 % of its last. `limbs.py` makes more tests of any shapes.
+`python arap.py --time MESH.ply` times one iteration with the ends along y as handles. Needs `pip install libigl numpy`.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from pathlib import Path
 import igl
 import numpy as np
 
-NAMES = ("plane", "cylinder", "bar", "cactus")
-#: The plane converges sooner, and an iteration takes longer.
-PLANE_ITERATIONS = 100
 ITERATIONS = 1000
+#: Iterations between two looks at the stretch.
+AT_A_TIME = 25
+#: Stretch relative to the last one from which on a result counts as found.
+FOUND = 1.02
 MOVED = 2
 
 
@@ -43,32 +45,46 @@ def write_off(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
         np.savetxt(out, np.column_stack([np.full(len(faces), 3), faces]), fmt="%d")
 
 
+def stretch(vertices: np.ndarray, faces: np.ndarray, found: np.ndarray) -> float:
+    """Root of the mean square of the relative change of the edges' lengths."""
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    before, after = (np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1) for p in (vertices, found))
+    return float(np.sqrt(np.mean((after / before - 1) ** 2)))
+
+
 def bend(
     vertices: np.ndarray, faces: np.ndarray, handles: np.ndarray, targets: np.ndarray, iterations: int
-) -> tuple[np.ndarray, float, float]:
-    """The deformed vertices, and the seconds of the processor for preparation and for all iterations."""
+) -> tuple[np.ndarray, float, list[tuple[float, float]]]:
+    """The deformed vertices, the seconds of the processor for preparation, and seconds and stretch as they go on."""
     data = igl.ARAPData()
-    data.max_iter = iterations
+    data.max_iter = min(iterations, AT_A_TIME)
     start = time.process_time()
     igl.arap_precomputation(vertices, faces, 3, handles.astype(np.int32), data)
-    prepared = time.process_time()
-    found = igl.arap_solve(targets, data, vertices.copy())
-    return found, prepared - start, time.process_time() - prepared
+    prepared = spent = time.process_time() - start
+    found, course = vertices.copy(), []
+    for _ in range(-(-iterations // data.max_iter)):
+        start = time.process_time()
+        found = igl.arap_solve(targets, data, found)
+        spent += time.process_time() - start
+        course.append((spent, stretch(vertices, faces, found)))
+    return found, prepared, course
 
 
 def survey(folder: Path, out: Path, iterations: int) -> None:
-    """Bend the shapes of the survey."""
-    for name in NAMES:
+    """Bend the shapes of a folder of tests."""
+    for selection in sorted(folder.glob("*.sel")):
+        name = selection.stem
         vertices, faces = read_off(folder / f"{name}.off")
-        state = numbers(folder / f"{name}.sel")
+        state = numbers(selection)
         matrix = numbers(folder / f"{name}.def").reshape(4, 4)
         handles = np.flatnonzero(state != 1)
         targets = vertices[handles].copy()
         moved = state[handles] == MOVED
         targets[moved] = targets[moved] @ matrix[:3, :3].T + matrix[:3, 3]
-        count = PLANE_ITERATIONS if name == "plane" else iterations
-        found, prepared, solved = bend(vertices, faces, handles, targets, count)
-        print(f"{name}: prepared in {prepared:.2f} s, {1000 * solved / count:.1f} ms an iteration", flush=True)
+        found, _, course = bend(vertices, faces, handles, targets, iterations)
+        seconds, last = course[-1]
+        soon = next(spent for spent, value in course if value <= FOUND * last)
+        print(f"{name}: stretch {last:.4f} after {seconds:.2f} s, within 2 % of it after {soon:.2f} s", flush=True)
         write_off(out / f"{name}-arap.off", found, faces)
 
 
@@ -79,7 +95,8 @@ def timing(path: Path) -> None:
     handles = np.flatnonzero((vertices[:, 1] < low) | (vertices[:, 1] > high))
     targets = vertices[handles] + [0.1, 0, 0] * (vertices[handles][:, 1:2] > high)
     for count in (1, 4):
-        _, prepared, solved = bend(vertices, faces.astype(np.int64), handles, targets, count)
+        _, prepared, course = bend(vertices, faces.astype(np.int64), handles, targets, count)
+        solved = course[-1][0] - prepared
         print(f"{len(vertices)} vertices: prepared in {prepared:.2f} s, {1000 * solved / count:.0f} ms an iteration")
 
 
