@@ -31,6 +31,7 @@ mod register;
 mod repeatability;
 mod shape;
 mod spectral;
+mod sphere;
 mod studio;
 mod time;
 mod walk;
@@ -62,6 +63,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     frames::add(module)?;
     hierarchy::add(module)?;
     repeatability::add(module)?;
+    sphere::add(module)?;
     studio::add(module)?;
     time::add(module)?;
     walk::add(module)

@@ -22,6 +22,7 @@ use crate::commands::{
     region::RegionArgs,
     render::RenderArgs,
     report::ReportArgs,
+    resample::ResampleArgs,
     reproduce::ReproduceArgs,
     saliency::SaliencyArgs,
     sample::SampleArgs,
@@ -133,6 +134,8 @@ pub(crate) enum Command {
     Rebase(RebaseArgs),
     /// Carry the detail of a shape onto another mesh or cloud of the same surface
     Transfer(TransferArgs),
+    /// Carry fields and labels between registered spheres, such as those of cortical surfaces
+    Resample(ResampleArgs),
     /// Blend two shapes with the same faces, band by band
     Morph(MorphArgs),
     /// Smooth, calm or exaggerate the motion of a shape that is given by frames

@@ -183,6 +183,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Deform(args) => commands::deform::run(args, global),
         Command::Rebase(args) => commands::rebase::run(args, global),
         Command::Transfer(args) => commands::transfer::run(args, global),
+        Command::Resample(args) => commands::resample::run(args, global),
         Command::Morph(args) => commands::morph::run(args, global),
         Command::Animate(args) => commands::animate::run(args, global),
         Command::Region(args) => commands::region::run(args, global),

@@ -1,7 +1,7 @@
 //! Recognition of fields whose numbers are labels: classes, segments, parcels. Their mean is no label.
 
 /// Words that name labels, in lower case: LAS classes and returns, segmentations, parcellations, materials.
-const WORDS: [&str; 26] = [
+const WORDS: [&str; 27] = [
     "annot",
     "annotation",
     "aparc",
@@ -12,6 +12,7 @@ const WORDS: [&str; 26] = [
     "cluster",
     "clusters",
     "component",
+    "dlabel",
     "id",
     "ids",
     "instance",

@@ -74,7 +74,7 @@ pub use error::{ReadError, WriteError};
 pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use format::Format;
 #[cfg(feature = "neuro")]
-pub use formats::cifti::write::{CiftiColumns, write_cifti_fields};
+pub use formats::cifti::write::{CiftiColumns, CiftiPart, write_cifti_fields, write_cifti_parts};
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use formats::csv::write::write_csv_fields;
 #[cfg(feature = "more")]

@@ -5,6 +5,7 @@
 //! - Pairs of features: [`pairs_under`].
 //! - The motion between two shapes that is better than chance, and the motions that fit equally well: [`register()`].
 //! - Signed distances: [`signed_distances`].
+//! - Fields and labels between registered spheres, such as those of cortical surfaces: [`SphereResampler`].
 //!
 //! All lengths are in model units. The crate reads no files.
 
@@ -19,6 +20,7 @@ mod registrand;
 mod search;
 mod shape_features;
 mod side;
+mod sphere;
 mod two_way_fit;
 
 pub use align::{AlignInfo, AlignParams, MAX_GROWTH, align};
@@ -34,4 +36,5 @@ pub use registrand::Registrand;
 pub use search::{SearchParams, SearchStarts};
 pub use shape_features::{DEFAULT_THETA, DescribeError, ShapeFeatures, common_lengths, describe_shape};
 pub use side::{Signs, SurfaceSides, lies_on_a_surface};
+pub use sphere::{Keep, Resampled, Sphere, SphereError, SphereResampler, Zeros};
 pub use two_way_fit::TwoWayFit;

@@ -25,6 +25,7 @@ saliency(shape, f), features(shape, f)      map where it stands out; find such p
 match(first, second), distances(…)          find the motion between two scans; measure their distance
 shape.deformer(fixed, handles)              bend a shape by handles while its detail rides along
 transfer(a, onto=b), morph(a, b, 0.5)       carry detail onto another mesh; blend by bands
+resample(sphere, f, onto=other)             carry fields and labels between registered spheres, such as fsaverage
 simplify(shape, ratio=0.1)                  remove vertices, with a measured error
 hierarchy(shape)                            levels of a subdivided mesh, and wavelets on them
 render(shape, f), report(shape, "a.html")   draw it; write a page about it
@@ -75,6 +76,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
         "gaze_scores",
         "saliency",
     ),
+    "_resample": ("Resampler", "resample"),
     "_repeatability": ("ChangedShape", "Repeatability", "Trials", "repeatability"),
     "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
     "_hierarchy": ("Coefficients", "Hierarchy", "hierarchy", "subdivide"),

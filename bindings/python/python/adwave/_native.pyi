@@ -29,6 +29,8 @@ __all__ = [
     "Prepared",
     "RecipeData",
     "ShapeData",
+    "SphereData",
+    "SphereResamplerData",
     "WalkData",
     "WaveletData",
     "__version__",
@@ -464,3 +466,20 @@ def choose_cell_graph(
 ): ...
 def count_components(counts: object, scaling: str, n_components: int) -> _Floats: ...
 def pool_graphs(values: _Floats, graph_of: NDArray[np.uint32], n_graphs: int, pooling: str) -> _Floats: ...
+
+@final
+class SphereData:
+    def __new__(cls, shape: ShapeData, areas: _Floats | None = None, surface: _Floats | None = None) -> SphereData: ...
+    def areas(self) -> _Floats: ...
+    def remarks(self) -> list[str]: ...
+
+@final
+class SphereResamplerData:
+    def __new__(
+        cls,
+        source: SphereData,
+        target: SphereData,
+        kept: NDArray[np.bool_] | None = None,
+        progress: _Report = None,
+    ) -> SphereResamplerData: ...
+    def apply(self, values: _Floats, keep: str, zeros: str, progress: _Report = None) -> tuple[_Floats, int, int]: ...

@@ -25,6 +25,7 @@ pub(crate) mod region;
 pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod reproduce;
+pub(crate) mod resample;
 mod result_file;
 pub(crate) mod saliency;
 pub(crate) mod sample;

@@ -44,6 +44,11 @@ impl ValuesFile {
         }
     }
 
+    /// True if the extension of a path asks for a CIFTI.
+    pub(crate) fn is_cifti(path: &Path) -> bool {
+        matches!(Self::from_path(path), Some(Self::Cifti(_)))
+    }
+
     /// The kind that the extension of a path asks for, for values on the places of `file`: some endings are those of
     /// images too.
     pub(crate) fn choose(path: &Path, file: &ShapeFile) -> Option<Self> {

@@ -42,7 +42,7 @@ pub(crate) const KEEP_SENTINELS: &str = "--keep-sentinels";
 /// Prints a note on the numbers of a signal that were taken for unknown values.
 pub(crate) fn note_unknown(name: &str, unknown: &[UnknownValue], global: &Global<'_>) {
     if let Some(text) = describe_unknown(name, unknown) {
-        let has_option = !["render", "simplify"].contains(&global.given.command());
+        let has_option = !["render", "resample", "simplify"].contains(&global.given.command());
         let change = if has_option { "; --keep-sentinels takes them as numbers" } else { "" };
         global.inputs.add_remark(format!("{text}{change}"));
     }

@@ -196,6 +196,7 @@ fn write_named_files(folder: &Path) {
     write_curves_and_graphs(folder);
     write_cells(folder);
     write_cortex(folder, &brain);
+    write_spheres(folder);
     let n = model.n_vertices();
     let values: Vec<f64> = (0..n).map(|k| (k as f64 / 50.0).cos()).collect();
     adwave_io::write_npy(&at("other.npy"), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
@@ -329,6 +330,32 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
     let rows: String = (0..n - 20).fold(String::new(), |text, k| text + &format!("{k} 0 0 0 0\n"));
     fs::write(at("lh.cortex.label"), format!("#!ascii label\n{}\n{rows}", n - 20)).unwrap();
     fs::write(at("lh.aparc.annot"), annotation(n)).unwrap();
+}
+
+/// Spheres of both hemispheres in two sizes, with a thickness, areas and labels on one.
+fn write_spheres(folder: &Path) {
+    let at = |name: &str| folder.join(name);
+    let sphere = |n: usize, name: &str| {
+        let mesh = Sample::from_name("sphere", Some(n)).unwrap();
+        let file = ShapeFile::from_mesh(mesh.points, mesh.faces);
+        write_path(&file, &at(name), Some(adwave_io::Format::FREESURFER)).unwrap();
+        file
+    };
+    for (side, short) in [("lh", "L"), ("rh", "R")] {
+        let file = sphere(700, &format!("{side}.sphere.reg"));
+        sphere(400, &format!("{side}.sphere"));
+        assert!(run_line(folder, &format!("convert {side}.sphere -o {short}.sphere.surf.gii")).is_done());
+        let n = file.n_vertices();
+        for (name, lift) in [("thickness", 2.0), ("area", 0.7)] {
+            let mut bytes = vec![255, 255, 255];
+            for word in [n as i32, 2 * n as i32 - 4, 1] {
+                bytes.extend(word.to_be_bytes());
+            }
+            file.points().iter().for_each(|p| bytes.extend((p[2] as f32 + lift).to_be_bytes()));
+            fs::write(at(&format!("{side}.{name}")), bytes).unwrap();
+        }
+        fs::write(at(&format!("{side}.yeo7.annot")), annotation(n)).unwrap();
+    }
 }
 
 /// A FreeSurfer annotation with two regions and the rest.

@@ -39,6 +39,12 @@ fn write_fixtures(folder: &Path) {
     save(&cloud(1), &at("cloud.ply"));
     save(&cloud(2), &at("cloud2.ply"));
     save(&single(), &at("single.ply"));
+    for (name, n) in [("ball.ply", 400), ("ball2.ply", 900), ("ball3.ply", 700)] {
+        save(&ball(n), &at(name));
+    }
+    for (name, n) in [("egg.ply", 400), ("egg2.ply", 900)] {
+        save(&egg(n), &at(name));
+    }
     write_path(&image(), &at("image.tif"), None).unwrap();
     write_path(&series(), &at("series.nii"), None).unwrap();
     write_path(&tensors(), &at("tensors.nii"), None).unwrap();
@@ -73,6 +79,25 @@ fn write_fixtures(folder: &Path) {
     let depths: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", depth(k)));
     fs::write(at("depth.csv"), format!("depth\n{depths}")).unwrap();
     write_cells(folder);
+}
+
+/// A sphere with a field that is 0 on one piece, and flags.
+fn ball(n_vertices: usize) -> ShapeFile {
+    let mesh = Sample::Sphere.mesh(n_vertices).unwrap();
+    let heights: Vec<f64> = mesh.points().iter().map(|p| p[2]).collect();
+    let mut file = ShapeFile::from_mesh(mesh.points().to_vec(), mesh.faces().clone());
+    let relief = heights.iter().map(|z| if *z > 0.8 { 0.0 } else { 2.0 + z }).collect();
+    file.add_vertex_field(Field::new("relief", 1, FieldValues::F64(relief))).unwrap();
+    let inside = heights.iter().map(|z| u8::from(*z > -0.5)).collect();
+    file.add_vertex_field(Field::new("inside", 1, FieldValues::U8(inside))).unwrap();
+    file
+}
+
+/// The vertices of a sphere, stretched.
+fn egg(n_vertices: usize) -> ShapeFile {
+    let mesh = Sample::Sphere.mesh(n_vertices).unwrap();
+    let points = mesh.points().iter().map(|[x, y, z]| [*x, *y, z * (2.0 + z)]).collect();
+    ShapeFile::from_mesh(points, mesh.faces().clone())
 }
 
 /// Frames of a mesh that turns and sways with jitter, as files and as two arrays.

@@ -3,7 +3,7 @@
 use crate::harness::split_words;
 
 /// Shortest useful lines of each command. `{in}` and `{other}` stand for shapes; all results go below `out/`.
-const BASES: [(&str, &[&str]); 33] = [
+const BASES: [(&str, &[&str]); 34] = [
     ("info", &["info {in}"]),
     ("transform", &["transform {in} -o out/r.ply"]),
     ("filter", &["filter {in} -o out/r.ply --gains 0,0.5,1", "filter {in} -o out/r.ply --preset smooth"]),
@@ -16,6 +16,7 @@ const BASES: [(&str, &[&str]); 33] = [
     ),
     ("rebase", &["rebase {in} --base {in} -o out/r.ply", "rebase {in} --write-base out/r.ply"]),
     ("transfer", &["transfer {in} --from {other} -o out/r.ply"]),
+    ("resample", &["resample relief --from ball.ply --to ball2.ply -o out/r.npy"]),
     ("morph", &["morph {in} {other} -o out/r.ply --share 0.5"]),
     (
         "animate",
@@ -243,6 +244,14 @@ const CASES: &[OptionCase] = &[
     case("morph", "--share", "2"),
     case("morph", "--band-shares", "0,1"),
     with(case("morph", "--levels", "1"), "--band-shares 0"),
+    // resample
+    case("resample", "--from", "ball3.ply"),
+    case("resample", "--to", "ball3.ply"),
+    case("resample", "--keep", "sum"),
+    case("resample", "--from-areas", "egg.ply"),
+    case("resample", "--to-areas", "egg2.ply"),
+    case("resample", "--to-mask", "inside"),
+    case("resample", "--zeros", "values"),
     // animate
     case("animate", "--positions", "moves2.npy"),
     case("animate", "--animation", "Second"),

@@ -356,7 +356,8 @@ impl Field {
 
     /// This field with channels that are frames, one every `frame_step` seconds; a step that is no positive number is
     /// none.
-    pub(crate) fn with_frame_step(self, frame_step: Option<f64>) -> Self {
+    #[must_use]
+    pub fn with_frame_step(self, frame_step: Option<f64>) -> Self {
         let frame_step = frame_step.filter(|step| step.is_normal() && *step > 0.0 && self.n_channels > 1);
         Self { frame_step, ..self }
     }

@@ -20,7 +20,7 @@ use crate::{Field, WriteError, atomic_write_with};
 pub enum CiftiColumns {
     /// Named maps: `.dscalar.nii`.
     Scalars,
-    /// Samples of a series, one second apart: `.dtseries.nii`.
+    /// Samples of a series: `.dtseries.nii`. They are one second apart unless the first field states its time step.
     Series,
 }
 
@@ -65,6 +65,15 @@ fn structure_name(structure: &str) -> String {
     name
 }
 
+/// Values of one surface of a CIFTI.
+#[derive(Clone, Copy, Debug)]
+pub struct CiftiPart<'a> {
+    /// Structure of the surface, such as `CortexLeft`.
+    pub structure: &'a str,
+    /// Fields with a row per vertex, whose channels are the columns.
+    pub fields: &'a [Field],
+}
+
 /// Writes values of a surface as a CIFTI-2 with the structure, such as `CortexLeft`: the columns are the channels of
 /// all fields, each with a row per vertex. Vertices where all are NaN, such as the medial wall, are no part of the
 /// file. Numbers are rounded to 32-bit floats. O(n × columns).
@@ -90,46 +99,84 @@ pub fn write_cifti_fields(
     structure: &str,
     columns: CiftiColumns,
 ) -> Result<(), WriteError> {
-    let bytes = encode(fields, structure, columns)?;
+    write_cifti_parts(path, &[CiftiPart { structure, fields }], columns)
+}
+
+/// Writes values of several surfaces, such as both hemispheres, as one CIFTI-2; see [`write_cifti_fields`]. The names of
+/// the columns are those of the first part.
+///
+/// # Errors
+/// The errors of [`write_cifti_fields`], and [`WriteError::CannotHold`] for parts with different numbers of columns.
+pub fn write_cifti_parts(
+    path: &Path,
+    parts: &[CiftiPart<'_>],
+    columns: CiftiColumns,
+) -> Result<(), WriteError> {
+    let bytes = encode(parts, columns)?;
     atomic_write_with(path, Progress::none(), |out| Ok(out.write_all(&bytes)?))
 }
 
-fn encode(fields: &[Field], structure: &str, columns: CiftiColumns) -> Result<Vec<u8>, WriteError> {
-    let cannot_hold = |what: &str| WriteError::CannotHold { format: CIFTI.format, what: what.into() };
-    let n = fields.first().map_or(0, Field::len);
-    if fields.iter().any(|field| field.len() != n) {
-        return Err(cannot_hold("fields with different numbers of rows"));
+/// Vertices of a part that have a value in a column.
+struct PartRows<'a> {
+    part: CiftiPart<'a>,
+    n_vertices: usize,
+    vertices: Vec<usize>,
+}
+
+impl<'a> PartRows<'a> {
+    fn new(part: CiftiPart<'a>) -> Result<Self, WriteError> {
+        let n_vertices = part.fields.first().map_or(0, Field::len);
+        if part.fields.iter().any(|field| field.len() != n_vertices) {
+            return Err(cannot_hold("fields with different numbers of rows"));
+        }
+        for field in part.fields {
+            let name = format!("values of `{}`", field.name);
+            check_range(CIFTI.format, &name, field.values.len(), Progress::none(), |i| field.values.get(i))?;
+        }
+        let vertices: Vec<usize> =
+            (0..n_vertices).filter(|&i| row(part.fields, i).any(|x| !x.is_nan())).collect();
+        if vertices.is_empty() {
+            return Err(cannot_hold("a field that is NaN everywhere"));
+        }
+        Ok(Self { part, n_vertices, vertices })
     }
-    for field in fields {
-        let name = format!("values of `{}`", field.name);
-        check_range(CIFTI.format, &name, field.values.len(), Progress::none(), |i| field.values.get(i))?;
+}
+
+fn cannot_hold(what: &str) -> WriteError {
+    WriteError::CannotHold { format: CIFTI.format, what: what.into() }
+}
+
+/// Values of all channels at a vertex.
+fn row(fields: &[Field], i: usize) -> impl Iterator<Item = f64> + '_ {
+    fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)))
+}
+
+fn encode(parts: &[CiftiPart<'_>], columns: CiftiColumns) -> Result<Vec<u8>, WriteError> {
+    let names = |part: &CiftiPart<'_>| -> Vec<String> {
+        let of_field = |field: &Field| {
+            if field.n_channels == 1 { vec![field.name.clone()] } else { column_names(field) }
+        };
+        part.fields.iter().flat_map(of_field).collect()
+    };
+    let own = parts.first().map(names).unwrap_or_default();
+    if parts.iter().any(|part| names(part).len() != own.len()) {
+        return Err(cannot_hold("parts with different numbers of columns"));
     }
-    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
-    let vertices: Vec<usize> = (0..n).filter(|&i| row(i).any(|x| !x.is_nan())).collect();
-    if vertices.is_empty() {
-        return Err(cannot_hold("a field that is NaN everywhere"));
-    }
-    let names: Vec<String> = fields
-        .iter()
-        .flat_map(|field| if field.n_channels == 1 { vec![field.name.clone()] } else { column_names(field) })
-        .collect();
-    let xml = matrix_xml(&names, structure, columns, &vertices, n);
-    let mut bytes = head(names.len(), vertices.len(), columns, xml.len());
+    let rows = parts.iter().map(|part| PartRows::new(*part)).collect::<Result<Vec<_>, _>>()?;
+    let xml = matrix_xml(&own, columns, &rows);
+    let n_rows = rows.iter().map(|part| part.vertices.len()).sum();
+    let mut bytes = head(own.len(), n_rows, columns, xml.len());
     bytes.extend_from_slice(xml.as_bytes());
     bytes.resize(data_start(xml.len()), 0);
-    for &i in &vertices {
-        bytes.extend(row(i).flat_map(|x| (x as f32).to_le_bytes()));
+    for part in &rows {
+        for &i in &part.vertices {
+            bytes.extend(row(part.part.fields, i).flat_map(|x| (x as f32).to_le_bytes()));
+        }
     }
     Ok(bytes)
 }
 
-fn matrix_xml(
-    names: &[String],
-    structure: &str,
-    columns: CiftiColumns,
-    vertices: &[usize],
-    n_vertices: usize,
-) -> String {
+fn matrix_xml(names: &[String], columns: CiftiColumns, parts: &[PartRows<'_>]) -> String {
     let mut xml = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CIFTI Version=\"2\">\n<Matrix>\n\
          <MatrixIndicesMap AppliesToMatrixDimension=\"0\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_",
@@ -143,29 +190,36 @@ fn matrix_xml(
             xml += "</MatrixIndicesMap>\n";
         }
         CiftiColumns::Series => {
+            let stated = parts.first().and_then(|rows| rows.part.fields.first()?.frame_step);
+            let step = stated.unwrap_or(1.0);
             let _ = writeln!(
                 xml,
-                "SERIES\" NumberOfSeriesPoints=\"{}\" SeriesExponent=\"0\" SeriesStart=\"0\" SeriesStep=\"1\" \
+                "SERIES\" NumberOfSeriesPoints=\"{}\" SeriesExponent=\"0\" SeriesStart=\"0\" SeriesStep=\"{step}\" \
                  SeriesUnit=\"SECOND\"/>",
                 names.len()
             );
         }
     }
-    let _ = write!(
-        xml,
-        "<MatrixIndicesMap AppliesToMatrixDimension=\"1\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_BRAIN_MODELS\">\n\
-         <BrainModel IndexOffset=\"0\" IndexCount=\"{}\" ModelType=\"CIFTI_MODEL_TYPE_SURFACE\" BrainStructure=\"{}\" \
-         SurfaceNumberOfVertices=\"{n_vertices}\">\n<VertexIndices>",
-        vertices.len(),
-        escape_xml(&structure_name(structure))
-    );
-    for (k, vertex) in vertices.iter().enumerate() {
-        if k > 0 {
-            xml.push(' ');
+    xml += "<MatrixIndicesMap AppliesToMatrixDimension=\"1\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_BRAIN_MODELS\">\n";
+    let mut first = 0;
+    for PartRows { part, n_vertices, vertices } in parts {
+        let _ = write!(
+            xml,
+            "<BrainModel IndexOffset=\"{first}\" IndexCount=\"{}\" ModelType=\"CIFTI_MODEL_TYPE_SURFACE\" \
+             BrainStructure=\"{}\" SurfaceNumberOfVertices=\"{n_vertices}\">\n<VertexIndices>",
+            vertices.len(),
+            escape_xml(&structure_name(part.structure))
+        );
+        for (k, vertex) in vertices.iter().enumerate() {
+            if k > 0 {
+                xml.push(' ');
+            }
+            let _ = write!(xml, "{vertex}");
         }
-        let _ = write!(xml, "{vertex}");
+        xml += "</VertexIndices>\n</BrainModel>\n";
+        first += vertices.len();
     }
-    xml + "</VertexIndices>\n</BrainModel>\n</MatrixIndicesMap>\n</Matrix>\n</CIFTI>\n"
+    xml + "</MatrixIndicesMap>\n</Matrix>\n</CIFTI>\n"
 }
 
 /// First byte of the numbers after an XML of this length.
