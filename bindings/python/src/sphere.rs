@@ -103,9 +103,8 @@ impl SphereResamplerData {
         let zeros: Zeros = zeros.parse().map_err(unknown)?;
         let (n_channels, rows) = (values.shape()[1], arrays::rows(&values, "values")?);
         let n = rows.len();
-        let found = run(py, n, progress.as_ref(), |p| {
-            self.resampler.apply(rows, n_channels, keep, zeros, p)
-        })?;
+        let found =
+            run(py, n, progress.as_ref(), |p| self.resampler.apply(rows, n_channels, keep, zeros, p))?;
         let values = arrays::matrix(py, found.values, n_channels)?.into_any();
         Ok((values, found.n_missing, found.n_wall))
     }

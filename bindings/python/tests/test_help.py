@@ -51,6 +51,11 @@ def test_calls_of_the_table_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         "union([left, right, grid])": {"grid": aw.grid(names["array"])},
         "impute(counts, walk)": {"walk": aw.point_walk(names["X"])},
         "scattering(walk, f)": {"walk": aw.point_walk(names["X"]), "f": names["X"][:, 0]},
+        "resample(sphere, f, onto=other)": {
+            "sphere": aw.sample("sphere", vertices=200),
+            "f": np.arange(200.0),
+            "other": aw.sample("sphere", vertices=300),
+        },
         "hierarchy(shape)": {"shape": aw.subdivide(aw.sample("sphere", vertices=200))},
     }
     calls = [call for call in CALLS if not call.startswith("studio")]

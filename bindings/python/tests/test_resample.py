@@ -45,10 +45,10 @@ def barycentric(points: np.ndarray, faces: np.ndarray, at: np.ndarray) -> np.nda
 
 
 def oracle(source, onto, areas, onto_areas):
-    """Weights of a mean: barycentric both ways, those that use all data, corrected by area."""
+    """Weights of a mean: barycentric both ways, those of the sources around if one is no corner, corrected by area."""
     gather = barycentric(*source, onto[0])
     spread = barycentric(*onto, source[0]).T
-    uses_all = ((gather == 0) | (spread > 0)).all(axis=1) & ((spread > 0).sum(axis=1) > (gather > 0).sum(axis=1))
+    uses_all = ((gather == 0) & (spread > 0)).any(axis=1)
     weights = np.where(uses_all[:, None], spread, gather) * onto_areas[:, None]
     totals = weights.sum(axis=0)
     weights = weights * (areas / np.where(totals > 0, totals, 1))
@@ -112,7 +112,9 @@ def test_both_hemispheres_in_one_call():
     assert (joined == np.concatenate(alone)).all()
     series = np.stack([np.concatenate([left, right]), np.concatenate([right, left])])
     assert aw.resample(pair[0], series, onto=pair[1]).shape == (2, 2 * len(onto[0]))
-    names = aw.resample({"left": source, "right": source}, {"left": left, "right": right}, onto={"left": onto, "right": other})
+    names = aw.resample(
+        {"left": source, "right": source}, {"left": left, "right": right}, onto={"left": onto, "right": other}
+    )
     assert list(names) == ["left", "right"] and (names["right"] == alone[1]).all()
     with pytest.raises(ValueError, match="same hemispheres"):
         aw.resample(pair[0], [left, right], onto=onto)

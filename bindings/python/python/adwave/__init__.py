@@ -77,6 +77,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
         "saliency",
     ),
     "_resample": ("Resampler", "resample"),
+    "_parcels": ("Parcels",),
     "_repeatability": ("ChangedShape", "Repeatability", "Trials", "repeatability"),
     "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
     "_hierarchy": ("Coefficients", "Hierarchy", "hierarchy", "subdivide"),

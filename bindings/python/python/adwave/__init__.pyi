@@ -35,6 +35,9 @@ from adwave._measures import SaliencyOptions as SaliencyOptions
 from adwave._measures import features as features
 from adwave._measures import gaze_scores as gaze_scores
 from adwave._measures import saliency as saliency
+from adwave._resample import Resampler as Resampler
+from adwave._resample import resample as resample
+from adwave._parcels import Parcels as Parcels
 from adwave._repeatability import ChangedShape as ChangedShape
 from adwave._repeatability import Repeatability as Repeatability
 from adwave._repeatability import Trials as Trials
@@ -116,10 +119,12 @@ __all__ = [
     "MatchResult",
     "Octaves",
     "Operator",
+    "Parcels",
     "Picture",
     "Raster",
     "Recipe",
     "Repeatability",
+    "Resampler",
     "Saliency",
     "SaliencyOptions",
     "ScatteringResult",
@@ -165,6 +170,7 @@ __all__ = [
     "render",
     "repeatability",
     "report",
+    "resample",
     "saliency",
     "sample",
     "scattering",

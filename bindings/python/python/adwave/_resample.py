@@ -92,7 +92,9 @@ class Resampler:
         sizes = " and ".join(f"{source} → {target}" for source, target in self.sizes)
         return f"<adwave.Resampler: {sizes} vertices>"
 
-    def apply(self, values: object, *, keep: Union[Keep, None] = None, zeros: Literal["wall", "values"] = "wall") -> Any:
+    def apply(
+        self, values: object, *, keep: Union[Keep, None] = None, zeros: Literal["wall", "values"] = "wall"
+    ) -> Any:
         """Values of the source at the vertices of `onto`; see `resample`.
 
         Parameters
@@ -142,8 +144,8 @@ class Resampler:
         if n_wall:
             share = 100 * n_wall / sum(self._sources)
             warn(
-                f"values: {n_wall} vertices ({share:.1f} %) that are exactly 0 and connected are taken as the medial wall, "
-                "which has no values; zeros='values' averages them too"
+                f"values: {n_wall} vertices ({share:.1f} %) that are exactly 0 and connected are taken as the medial "
+                "wall, which has no values; zeros='values' averages them too"
             )
         return found
 
@@ -229,37 +231,38 @@ def resample(
     """Carry values from the vertices of a sphere to those of another one that is registered to it.
 
     Made for cortical surfaces: fields, bands, labels and parcels between levels of fsaverage, fs_LR and any spheres in
-    register, both hemispheres at once. The weights are barycentric, both ways, and corrected by area: the rule of Connectome
-    Workbench's ``ADAP_BARY_AREA``. All data count where the source is finer, and nothing is invented where it is coarser.
+    register, both hemispheres at once. The weights are barycentric, both ways, and corrected by area: the rule of
+    Connectome Workbench's ``ADAP_BARY_AREA``. All data count where the source is finer.
 
     Parameters
     ----------
     source : shape_like, or a list or dict of them
         Sphere of the values, or one for each hemisphere: a file, ``(points, faces)``, a mesh; see `Shape`.
     values : (n,) or (n, channels) array_like, or a list or dict of them
-        Values at the vertices, of both hemispheres one after the other or each by itself. NaN and masked numbers are no values.
+        Values at the vertices, of both hemispheres one after the other or each by itself. NaN and masked numbers are no
+        values.
     onto : shape_like, or a list or dict of them
         The other sphere, or one for each hemisphere, in register with `source`.
     keep : {'mean', 'sum', 'integral', 'labels'}, optional
-        ``'mean'`` keeps constants, for thickness or activation. ``'sum'`` keeps the sum of the values, for areas or counts.
-        ``'integral'`` keeps the sum of value × area, for densities. ``'labels'`` gives each vertex the label with the largest
-        weight, of equal ones the smallest. By default ``'labels'`` for whole numbers and flags, and else ``'mean'``.
+        ``'mean'`` keeps constants, for thickness or activation. ``'sum'`` keeps the sum of the values, for areas or
+        counts. ``'integral'`` keeps the sum of value × area, for densities. ``'labels'`` gives each vertex the label with
+        the largest weight, of equal ones the smallest. By default ``'labels'`` for whole numbers and flags, and else ``'mean'``.
     areas, onto_areas : shape_like or (n,) array_like, or a list or dict of them, optional
-        Anatomical surfaces with the vertices of the spheres, such as the midthickness, whose areas correct the weights; or the
-        areas. Those of the spheres by default.
+        Anatomical surfaces with the vertices of the spheres, such as the midthickness, whose areas correct the weights; or
+        the areas. Those of the spheres by default.
     onto_mask : (m,) array_like of bool, or a list or dict of them, optional
-        True for the vertices of `onto` that get values, as without its medial wall. Amounts that would go elsewhere go to the
-        nearest ones. Other vertices are NaN, and 0 in whole numbers.
+        True for the vertices of `onto` that get values, as without its medial wall. Amounts that would go elsewhere go to
+        the nearest ones. Other vertices are NaN, and 0 in whole numbers.
     zeros : {'wall', 'values'}
-        For means: one connected piece of exact zeros, 2 % to 20 % of the vertices, is taken as the medial wall, with a warning. It
-        takes no part, and the wall of the result is 0 too. ``'values'`` averages zeros like all numbers.
+        For means: one connected piece of exact zeros, 2 % to 20 % of the vertices, is taken as the medial wall, with a
+        warning. It takes no part, and the wall of the result is 0 too. ``'values'`` averages zeros like all numbers.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
     array, or a list or dict of arrays
-        Like `values`, with the vertices of `onto`. A mean or label is NaN where less than half of its weight has values.
+        Like `values`, with the vertices of `onto`. A mean or label is NaN where less than half of its weight has a value.
 
     Raises
     ------
@@ -268,8 +271,8 @@ def resample(
 
     Notes
     -----
-    O(vertices + weights × channels). `Resampler` keeps the weights for many calls. Spheres of other radii are scaled, and folds
-    are passed over.
+    O(vertices + weights × channels). `Resampler` keeps the weights for many calls. Spheres of other radii are scaled, and
+    folds are passed over.
 
     Examples
     --------
@@ -289,7 +292,5 @@ def resample(
     >>> left.shape == right.shape == (fine.n_vertices,)
     True
     """
-    resampler = Resampler(
-        source, onto, areas=areas, onto_areas=onto_areas, onto_mask=onto_mask, progress=progress
-    )
+    resampler = Resampler(source, onto, areas=areas, onto_areas=onto_areas, onto_mask=onto_mask, progress=progress)
     return resampler.apply(values, keep=keep, zeros=zeros)

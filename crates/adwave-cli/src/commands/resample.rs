@@ -9,9 +9,7 @@ use crate::output::{check_writable, count, note, number, print, write_file_with}
 use crate::resolve::shape::{Input, ShapeSource, load_source};
 use crate::resolve::signal::{Signal, load_signal};
 use adwave::shape::Shape;
-use adwave_io::{
-    BrainLayout, CiftiPart, Field, FieldValues, labels_of_field, write_cifti_parts,
-};
+use adwave_io::{BrainLayout, CiftiPart, Field, FieldValues, labels_of_field, write_cifti_parts};
 use adwave_register::{Keep, Resampled, Sphere, SphereError, SphereResampler, Zeros};
 use clap::Args;
 use serde_json::{Value, json};
@@ -19,19 +17,21 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-VALUES are signals of the sphere FROM: files (GIFTI, CIFTI, FreeSurfer's curv, annot, label and MGH, NPY, CSV), one for each
-hemisphere, or one CIFTI for both. Give --from and --to once for each hemisphere, in the order of the values; the spheres of a
-pair must be in register. OUT is a file for each hemisphere (.gii .npy .csv .dscalar.nii .dtseries.nii), or one CIFTI for both.
+VALUES are signals of the sphere FROM: files (GIFTI, CIFTI, FreeSurfer's curv, annot, label and MGH,
+NPY, CSV), one for each hemisphere, or one CIFTI for both. Give --from and --to once for each
+hemisphere, in the order of the values; the two spheres of a hemisphere must be in register. OUT is a
+file for each hemisphere (.gii, .npy, .csv, .dscalar.nii, .dtseries.nii), or one CIFTI for both.
 
-Weights are barycentric both ways and corrected by area, as Connectome Workbench's ADAP_BARY_AREA. NaN is no value. One connected
-piece of exact zeros is taken as the medial wall of a field, which does not bleed into the others.
+Weights are barycentric both ways and corrected by area, as Connectome Workbench's ADAP_BARY_AREA.
+NaN is no value. One connected piece of exact zeros is taken as the medial wall of a field, and does
+not bleed into the rest.
 
 Examples:
   adwave resample lh.thickness --from lh.sphere.reg --to L.sphere.surf.gii -o L.thickness.shape.gii
   adwave resample lh.yeo7.annot --from lh.sphere.reg --to L.sphere.surf.gii -o L.yeo7.npy
-  adwave resample lh.area --from lh.sphere.reg --to L.sphere.surf.gii -o L.area.shape.gii --keep sum
-  adwave resample lh.thickness rh.thickness --from lh.sphere.reg --from rh.sphere.reg \
-    --to L.sphere.surf.gii --to R.sphere.surf.gii -o thickness.dscalar.nii       both hemispheres as a CIFTI")]
+  adwave resample lh.area --from lh.sphere.reg --to L.sphere.surf.gii -o L.area.gii --keep sum
+  adwave resample lh.thickness rh.thickness --from lh.sphere.reg --from rh.sphere.reg \\
+    --to L.sphere.surf.gii --to R.sphere.surf.gii -o thickness.dscalar.nii")]
 pub(crate) struct ResampleArgs {
     /// Signals of the spheres, one for each hemisphere or one CIFTI for both
     #[arg(value_name = "VALUES", required = true)]
@@ -215,12 +215,12 @@ fn sphere(input: &Input, areas: Option<&String>, global: &Global<'_>) -> Result<
 fn note_assumptions(hemisphere: &Hemisphere, global: &Global<'_>) {
     let (found, n) = (&hemisphere.found, hemisphere.areas[0].len());
     if found.n_wall > 0 {
-        let share = number((1000.0 * found.n_wall as f64 / n as f64).round() / 10.0);
+        let share = format!("{:.1}", 100.0 * found.n_wall as f64 / n as f64);
         note(
             global,
             &format!(
-                "{}: {} vertices ({share} %) that are exactly 0 and connected are taken as the medial wall, which has no \
-                 values; --zeros values averages them too",
+                "{}: {} vertices ({share} %) that are exactly 0 and connected are taken as the medial wall, which has \
+                 no values; --zeros values averages them too",
                 hemisphere.values, found.n_wall
             ),
         );
@@ -254,7 +254,9 @@ impl Hemisphere {
         let name = crate::inputs::last_component(&self.values);
         let name = name.rsplit(':').next().unwrap_or(name);
         let name = match name.split_once('.') {
-            Some((before @ ("lh" | "rh"), after)) => format!("{before}.{}", after.split('.').next().unwrap_or(after)),
+            Some((before @ ("lh" | "rh"), after)) => {
+                format!("{before}.{}", after.split('.').next().unwrap_or(after))
+            }
             Some((before, _)) if !before.is_empty() => before.to_owned(),
             _ => name.to_owned(),
         };
@@ -322,13 +324,12 @@ fn report(hemisphere: &Hemisphere) -> Value {
 fn write_one(path: &Path, hemisphere: &Hemisphere, global: &Global<'_>) -> Result<(), CliError> {
     let Some(kind) = ValuesFile::from_path(path) else { return Ok(()) };
     // A sphere that does not state its hemisphere has that of the other one.
-    let stated = [&hemisphere.to, &hemisphere.from].into_iter().find(|input| input.file.structure().is_some());
+    let stated =
+        [&hemisphere.to, &hemisphere.from].into_iter().find(|input| input.file.structure().is_some());
     if let (ValuesFile::Gifti, Some(input)) = (kind, stated) {
         let fields = hemisphere.fields();
         let structure = input.file.structure();
-        return write_file_with(global, path, |path| {
-            adwave_io::write_gifti_fields(path, &fields, structure)
-        });
+        return write_file_with(global, path, |path| adwave_io::write_gifti_fields(path, &fields, structure));
     }
     if let ValuesFile::Cifti(_) = kind {
         return write_both(path, std::slice::from_ref(hemisphere), global);
@@ -344,8 +345,8 @@ fn write_both(path: &Path, hemispheres: &[Hemisphere], global: &Global<'_>) -> R
         let stated = [&hemisphere.to, &hemisphere.from].into_iter().find_map(|input| input.file.structure());
         let Some(structure) = stated else {
             return Err(CliError::Input(format!(
-                "{}: a CIFTI names the structure of each surface, and neither {} nor {} states it; use a GIFTI that does \
-                 (AnatomicalStructurePrimary), or name the file with lh. or rh. at the beginning",
+                "{}: a CIFTI names the structure of each surface, and neither {} nor {} states it; use a GIFTI that \
+                 does (AnatomicalStructurePrimary), or name the file with lh. or rh. at the beginning",
                 path.display(),
                 hemisphere.to.name,
                 hemisphere.from.name

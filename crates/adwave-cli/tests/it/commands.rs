@@ -19,6 +19,7 @@ fn every_command_explains_itself_with_examples() {
         "deform",
         "rebase",
         "transfer",
+        "resample",
         "morph",
         "match",
         "diff",

@@ -33,6 +33,7 @@ mod region;
 mod render;
 mod report;
 mod reproduce;
+mod resample;
 mod row_numbers;
 mod selection;
 mod series;

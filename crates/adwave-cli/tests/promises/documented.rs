@@ -346,7 +346,7 @@ fn write_spheres(folder: &Path) {
         sphere(400, &format!("{side}.sphere"));
         assert!(run_line(folder, &format!("convert {side}.sphere -o {short}.sphere.surf.gii")).is_done());
         let n = file.n_vertices();
-        for (name, lift) in [("thickness", 2.0), ("area", 0.7)] {
+        for (name, lift) in [("thickness", 2.0_f32), ("area", 0.7)] {
             let mut bytes = vec![255, 255, 255];
             for word in [n as i32, 2 * n as i32 - 4, 1] {
                 bytes.extend(word.to_be_bytes());

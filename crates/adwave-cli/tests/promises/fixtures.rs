@@ -83,9 +83,9 @@ fn write_fixtures(folder: &Path) {
 
 /// A sphere with a field that is 0 on one piece, and flags.
 fn ball(n_vertices: usize) -> ShapeFile {
-    let mesh = Sample::Sphere.mesh(n_vertices).unwrap();
-    let heights: Vec<f64> = mesh.points().iter().map(|p| p[2]).collect();
-    let mut file = ShapeFile::from_mesh(mesh.points().to_vec(), mesh.faces().clone());
+    let mesh = Sample::from_name("sphere", Some(n_vertices)).unwrap();
+    let heights: Vec<f64> = mesh.points.iter().map(|p| p[2]).collect();
+    let mut file = ShapeFile::from_mesh(mesh.points, mesh.faces);
     let relief = heights.iter().map(|z| if *z > 0.8 { 0.0 } else { 2.0 + z }).collect();
     file.add_vertex_field(Field::new("relief", 1, FieldValues::F64(relief))).unwrap();
     let inside = heights.iter().map(|z| u8::from(*z > -0.5)).collect();
@@ -95,9 +95,9 @@ fn ball(n_vertices: usize) -> ShapeFile {
 
 /// The vertices of a sphere, stretched.
 fn egg(n_vertices: usize) -> ShapeFile {
-    let mesh = Sample::Sphere.mesh(n_vertices).unwrap();
-    let points = mesh.points().iter().map(|[x, y, z]| [*x, *y, z * (2.0 + z)]).collect();
-    ShapeFile::from_mesh(points, mesh.faces().clone())
+    let mesh = Sample::from_name("sphere", Some(n_vertices)).unwrap();
+    let points = mesh.points.iter().map(|[x, y, z]| [*x, *y, z * (2.0 + z)]).collect();
+    ShapeFile::from_mesh(points, mesh.faces)
 }
 
 /// Frames of a mesh that turns and sways with jitter, as files and as two arrays.

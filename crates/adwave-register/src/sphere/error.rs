@@ -18,7 +18,7 @@ pub enum SphereError {
     NotFinite(usize),
     /// The vertices do not lie on a sphere.
     #[error(
-        "the vertices must lie on a sphere, and their distance from its center varies from {least} to {most}; give the \
+        "the vertices must lie on a sphere, and their distance from its center varies from {least:.4} to {most:.4}; give the \
          registered sphere, such as lh.sphere.reg or *.sphere.surf.gii"
     )]
     NoSphere {
@@ -34,13 +34,19 @@ pub enum SphereError {
     )]
     Open(u32, u32),
     /// The triangles do not cover each direction once.
-    #[error("a sphere must cover each direction once, and this one does so {0} times; give the registered sphere")]
+    #[error(
+        "a sphere must cover each direction once, and this one does so {0} times; give the registered sphere"
+    )]
     Cover(i64),
     /// Too many triangles overlap.
-    #[error("the triangles of a sphere must lie side by side, and these overlap too often; register it again")]
+    #[error(
+        "the triangles of a sphere must lie side by side, and these overlap too often; register it again"
+    )]
     Overlap,
     /// The number of areas, of a mask or of values is wrong.
-    #[error("{what} must have a number for each of the {expected} vertices of the sphere, got {found}; use those of this mesh")]
+    #[error(
+        "{what} must have a number for each of the {expected} vertices of the sphere, got {found}; use those of its mesh"
+    )]
     Length {
         /// The numbers, such as `areas`.
         what: &'static str,
@@ -50,7 +56,9 @@ pub enum SphereError {
         found: usize,
     },
     /// An area is not positive.
-    #[error("the area at each vertex must be positive, got {area} at vertex {vertex}; repair the surface or leave its areas out")]
+    #[error(
+        "the area at each vertex must be positive, got {area} at vertex {vertex}; repair the surface or leave it out"
+    )]
     Area {
         /// The vertex.
         vertex: usize,

@@ -5,13 +5,14 @@
 
 use super::{Sphere, SphereError};
 use adwave::vector::{cross, dot};
+use std::ops::Range;
 
 /// Weight below which a corner is left out: a direction at a vertex has that vertex alone.
 const NO_WEIGHT: f64 = 1e-10;
 /// Cosine of the length of an edge up to which a triangle is short: 20°.
 const SHORT: f64 = 0.939;
-/// Least coordinate along the axis of a face with which a corner is projected onto it: 84° from the axis. A short triangle with
-/// a corner beyond does not reach the face, whose corners are 55° from the axis.
+/// Least coordinate along the axis of a face with which a corner is projected onto it: 84° from the axis. A short
+/// triangle with a corner beyond does not reach the face, whose corners are 55° from the axis.
 const IN_FRONT: f64 = 0.1;
 /// Most entries of the cells, per triangle and in addition.
 const MOST_ENTRIES: [usize; 2] = [64, 1 << 17];
@@ -39,46 +40,57 @@ pub(super) struct SphereCells<'a> {
     members: Vec<u32>,
 }
 
-/// Range of cells of a face, rows and columns, ends included.
-type CellBox = [[usize; 2]; 2];
+/// Cells of a face that a triangle may meet: rows and columns, ends included.
+struct CellBox {
+    triangle: u32,
+    face: u32,
+    rows: [u32; 2],
+    columns: [u32; 2],
+}
+
+impl CellBox {
+    fn n_cells(&self) -> usize {
+        (self.rows[1] - self.rows[0] + 1) as usize * (self.columns[1] - self.columns[0] + 1) as usize
+    }
+
+    /// Cells of each row.
+    fn cells(&self, n_side: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        (self.rows[0]..=self.rows[1]).map(move |row| {
+            let first = (self.face as usize * n_side + row as usize) * n_side;
+            first + self.columns[0] as usize..first + self.columns[1] as usize + 1
+        })
+    }
+}
 
 impl<'a> SphereCells<'a> {
     /// Sorts the triangles into cells. O(n).
     pub(super) fn new(sphere: &'a Sphere) -> Result<Self, SphereError> {
         let n = sphere.triangles.len();
         let n_side = ((n as f64 / 6.0).sqrt().ceil() as usize).clamp(1, 4096);
-        let n_cells = 6 * n_side * n_side;
         let most = MOST_ENTRIES[0].saturating_mul(n).saturating_add(MOST_ENTRIES[1]);
-        let (mut counts, mut n_entries) = (vec![0_u32; n_cells + 1], 0_usize);
-        let boxes = |t: usize, face: usize| cells_of_triangle(sphere, t, face, n_side);
-        for t in 0..n {
-            for face in 0..6 {
-                let Some([[r0, r1], [c0, c1]]) = boxes(t, face) else { continue };
-                n_entries += (r1 - r0 + 1) * (c1 - c0 + 1);
+        let mut boxes = Vec::with_capacity(2 * n);
+        let (mut starts, mut n_entries) = (vec![0_u32; 6 * n_side * n_side + 1], 0_usize);
+        for t in 0..n as u32 {
+            let first = boxes.len();
+            add_boxes(sphere, t, n_side, &mut boxes);
+            for cell_box in &boxes[first..] {
+                n_entries += cell_box.n_cells();
                 if n_entries > most {
                     return Err(SphereError::Overlap);
                 }
-                for row in r0..=r1 {
-                    let first = (face * n_side + row) * n_side;
-                    counts[first + c0 + 1..=first + c1 + 1].iter_mut().for_each(|count| *count += 1);
+                for cells in cell_box.cells(n_side) {
+                    starts[cells.start + 1..=cells.end].iter_mut().for_each(|count| *count += 1);
                 }
             }
         }
-        for cell in 0..n_cells {
-            counts[cell + 1] += counts[cell];
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
         }
-        let starts = counts;
         let (mut next, mut members) = (starts.clone(), vec![0_u32; n_entries]);
-        for t in 0..n {
-            for face in 0..6 {
-                let Some([[r0, r1], [c0, c1]]) = boxes(t, face) else { continue };
-                for row in r0..=r1 {
-                    let first = (face * n_side + row) * n_side;
-                    for at in &mut next[first + c0..=first + c1] {
-                        members[*at as usize] = t as u32;
-                        *at += 1;
-                    }
-                }
+        for cell_box in &boxes {
+            for cell in cell_box.cells(n_side).flatten() {
+                members[next[cell] as usize] = cell_box.triangle;
+                next[cell] += 1;
             }
         }
         Ok(Self { sphere, n_side, starts, members })
@@ -88,9 +100,8 @@ impl<'a> SphereCells<'a> {
     /// upside down; of equal ones in the first triangle. `None` if rounding leaves no triangle there.
     pub(super) fn locate(&self, p: &[f64; 3]) -> Option<PlaceOnSphere> {
         let face = face_of(p);
-        let [u, v] = project(p, face)?;
-        let cell =
-            (face * self.n_side + cell_at(u, self.n_side)) * self.n_side + cell_at(v, self.n_side);
+        let [u, v] = project(p, face);
+        let cell = (face * self.n_side + cell_at(u, self.n_side)) * self.n_side + cell_at(v, self.n_side);
         let members = &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize];
         let mut best: Option<(f64, PlaceOnSphere)> = None;
         for &t in members {
@@ -126,11 +137,15 @@ fn face_of(p: &[f64; 3]) -> usize {
     2 * axis + usize::from(p[axis] < 0.0)
 }
 
-/// Central projection onto the plane of a face; `None` behind it.
-fn project(p: &[f64; 3], face: usize) -> Option<[f64; 2]> {
-    let axis = face / 2;
-    let along = if face % 2 == 0 { p[axis] } else { -p[axis] };
-    (along > IN_FRONT).then(|| [p[(axis + 1) % 3] / along, p[(axis + 2) % 3] / along])
+/// Coordinate along the axis of a face.
+fn along(p: &[f64; 3], face: usize) -> f64 {
+    if face.is_multiple_of(2) { p[face / 2] } else { -p[face / 2] }
+}
+
+/// Central projection onto the plane of a face in front.
+fn project(p: &[f64; 3], face: usize) -> [f64; 2] {
+    let (axis, along) = (face / 2, along(p, face));
+    [p[(axis + 1) % 3] / along, p[(axis + 2) % 3] / along]
 }
 
 /// Cell along an edge of a face at a coordinate in −1..1.
@@ -138,20 +153,28 @@ fn cell_at(u: f64, n_side: usize) -> usize {
     (((u + 1.0) * 0.5 * n_side as f64) as usize).min(n_side - 1)
 }
 
-/// Cells of a face that a triangle may meet.
-fn cells_of_triangle(sphere: &Sphere, t: usize, face: usize, n_side: usize) -> Option<CellBox> {
+/// Adds the cells of each face that a triangle may meet.
+fn add_boxes(sphere: &Sphere, triangle: u32, n_side: usize, boxes: &mut Vec<CellBox>) {
     /// Slack for rounding, in the unit of the cube.
     const SLACK: f64 = 1e-9;
-    let corners = sphere.triangles[t].map(|v| sphere.directions[v as usize]);
-    let projected = corners.map(|corner| project(&corner, face));
-    let [Some(a), Some(b), Some(c)] = projected else {
-        let [a, b, c] = corners;
-        let is_short = dot(&a, &b) > SHORT && dot(&b, &c) > SHORT && dot(&c, &a) > SHORT;
-        return (!is_short).then_some([[0, n_side - 1]; 2]);
-    };
-    let ends = |k: usize| {
-        let [low, high] = [a[k].min(b[k]).min(c[k]) - SLACK, a[k].max(b[k]).max(c[k]) + SLACK];
-        (low <= 1.0 && high >= -1.0).then(|| [cell_at(low, n_side), cell_at(high, n_side)])
-    };
-    Some([ends(0)?, ends(1)?])
+    let corners = sphere.triangles[triangle as usize].map(|v| sphere.directions[v as usize]);
+    let [a, b, c] = &corners;
+    let is_short = dot(a, b) > SHORT && dot(b, c) > SHORT && dot(c, a) > SHORT;
+    for face in 0..6 {
+        let whole = [0, n_side as u32 - 1];
+        if corners.iter().any(|corner| along(corner, face) <= IN_FRONT) {
+            if !is_short {
+                boxes.push(CellBox { triangle, face: face as u32, rows: whole, columns: whole });
+            }
+            continue;
+        }
+        let [a, b, c] = corners.map(|corner| project(&corner, face));
+        let ends = |k: usize| {
+            let [low, high] = [a[k].min(b[k]).min(c[k]) - SLACK, a[k].max(b[k]).max(c[k]) + SLACK];
+            (low <= 1.0 && high >= -1.0).then(|| [low, high].map(|u| cell_at(u, n_side) as u32))
+        };
+        if let (Some(rows), Some(columns)) = (ends(0), ends(1)) {
+            boxes.push(CellBox { triangle, face: face as u32, rows, columns });
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::SphereError;
 use adwave::shape::{MeshArea, mesh_areas};
 use adwave::vector::{cross, dot, norm, subtract};
 use nalgebra::{Matrix4, Vector4};
+use rayon::prelude::*;
 
 /// Share of the radius by which vertices may lie off a sphere about the origin: files round to few digits.
 const ROUNDED: f64 = 1e-3;
@@ -36,7 +37,8 @@ impl Sphere {
     ///
     /// ```
     /// use adwave_register::Sphere;
-    /// let points = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, -2.0]];
+    /// let equator = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, -2.0, 0.0]];
+    /// let points = [&equator[..], &[[0.0, 0.0, 2.0], [0.0, 0.0, -2.0]]].concat();
     /// let [e, n, w, s, up, down] = [0, 1, 2, 3, 4, 5];
     /// let upper = [[e, n, up], [n, w, up], [w, s, up], [s, e, up]];
     /// let lower = [[n, e, down], [w, n, down], [s, w, down], [e, s, down]];
@@ -61,8 +63,8 @@ impl Sphere {
         };
         let directions: Vec<[f64; 3]> = points.iter().map(direction).collect();
         check_closed(triangles)?;
-        let cover = triangles.iter().map(|t| solid_angle(&directions, t)).sum::<f64>()
-            / (4.0 * std::f64::consts::PI);
+        let cover =
+            triangles.iter().map(|t| solid_angle(&directions, t)).sum::<f64>() / (4.0 * std::f64::consts::PI);
         let triangles = match cover.round() as i64 {
             1 => triangles.to_vec(),
             -1 => triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
@@ -91,8 +93,8 @@ impl Sphere {
         Ok(self)
     }
 
-    /// Takes the areas of another surface with the vertices of this sphere, such as the midthickness of the cortex: a third
-    /// of each triangle at each of its corners.
+    /// Takes the areas of another surface with the vertices of this sphere, such as the midthickness of the cortex: a
+    /// third of each triangle at each of its corners.
     ///
     /// # Errors
     /// [`SphereError::Length`] for another number of points, [`SphereError::Area`] for a vertex without area.
@@ -114,7 +116,9 @@ impl Sphere {
         }
         if self.n_folded > 0 {
             let n = self.n_folded;
-            remarks.push(format!("{n} of its triangles lie upside down, where it is folded, and are passed over"));
+            remarks.push(format!(
+                "{n} of its triangles lie upside down, where it is folded, and are passed over"
+            ));
         }
         remarks
     }
@@ -140,9 +144,10 @@ fn fit_sphere(points: &[[f64; 3]]) -> Result<([f64; 3], f64), SphereError> {
             let Some(center) = center else { continue };
             let distance = |p: &[f64; 3]| norm(&subtract(p, &center).map(|c| c / size)) * size;
             let mean = points.iter().map(|p| distance(p) / points.len() as f64).sum::<f64>();
-            let ends = points.iter().map(distance).fold((f64::INFINITY, 0.0_f64), |(least, most), r| {
-                (least.min(r), most.max(r))
-            });
+            let ends = points
+                .iter()
+                .map(distance)
+                .fold((f64::INFINITY, 0.0_f64), |(least, most), r| (least.min(r), most.max(r)));
             if mean.is_finite() && ends.0 >= (1.0 - allowed) * mean && ends.1 <= (1.0 + allowed) * mean {
                 return Ok((center, mean));
             }
@@ -170,12 +175,9 @@ fn fit_center(points: &[[f64; 3]], size: f64) -> Option<[f64; 3]> {
 /// Refuses triangles unless each edge has two, which pass it in opposite directions.
 fn check_closed(triangles: &[[u32; 3]]) -> Result<(), SphereError> {
     let directed = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
-    let mut edges: Vec<(u32, u32, bool)> = triangles
-        .iter()
-        .flat_map(directed)
-        .map(|(a, b)| (a.min(b), a.max(b), a < b))
-        .collect();
-    edges.sort_unstable();
+    let mut edges: Vec<(u32, u32, bool)> =
+        triangles.iter().flat_map(directed).map(|(a, b)| (a.min(b), a.max(b), a < b)).collect();
+    edges.par_sort_unstable();
     for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         if same.len() != 2 || same[0].2 == same[1].2 || same[0].0 == same[0].1 {
             return Err(SphereError::Open(same[0].0, same[0].1));

@@ -52,7 +52,8 @@ named_values!(Zeros, "zeros", {
 /// Values at the vertices of the target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resampled {
-    /// Values, target vertices × channels. NaN where there is none; 0 if zeros mark the medial wall and the source has no NaN.
+    /// Values, target vertices × channels. NaN where there is none; 0 if zeros mark the medial wall and the source has
+    /// no NaN.
     pub values: Vec<f64>,
     /// Number of target vertices that have no value in any channel.
     pub n_missing: usize,
@@ -63,16 +64,17 @@ pub struct Resampled {
 /// Weights from one sphere to another, prepared for many fields.
 ///
 /// Let F be the barycentric weights of the targets in the triangles of the source, and R those of the sources in the
-/// triangles of the target. The row of target t is that of Rᵀ if it has all sources of the row of F and more, which is
-/// so where the source is finer, else that of F. With the areas A′ of the targets and A of the sources
+/// triangles of the target. The row of target t is that of Rᵀ if this has a source that the row of F has not, as where
+/// the source is finer, so that all sources count; else it is that of F. With the areas A′ of the targets and A of the
+/// sources
 ///
 /// ```text
 /// W = diag(A′) row,   C[t, s] = W[t, s] / Σ_t W[t, s],   M[t, s] = C[t, s] A[s] / Σ_s C[t, s] A[s]
 /// mean: y = M x       sum: y = C x       integral: y = diag(1/A′) C diag(A) x
 /// ```
 ///
-/// A mean keeps constants; columns of C sum to 1, also where a mean leaves a source out. M is the rule of Connectome
-/// Workbench's `ADAP_BARY_AREA`, by its documentation.
+/// A mean keeps constants; columns of C sum to 1, also where a mask of the targets leaves a source out. M is the rule
+/// of Connectome Workbench's `ADAP_BARY_AREA`, by its documentation and its results.
 #[derive(Clone, Debug)]
 pub struct SphereResampler {
     weights: SphereWeights,

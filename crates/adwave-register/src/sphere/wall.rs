@@ -6,8 +6,8 @@ const SHARES: [f64; 2] = [0.02, 0.2];
 const ONE_PIECE: f64 = 0.98;
 
 /// Finds the medial wall of a field with `n_channels` values per vertex: true for the vertices where all channels are
-/// exactly 0, if they are 2 % to 20 % of all and at least 98 % of them are connected; `None` for other fields. FreeSurfer
-/// and Workbench write zeros there. O(values).
+/// exactly 0, if they are 2 % to 20 % of all and at least 98 % of them are connected; `None` for other fields.
+/// FreeSurfer and Workbench write zeros there. O(values).
 pub(super) fn find_medial_wall(
     values: &[f64],
     n_channels: usize,

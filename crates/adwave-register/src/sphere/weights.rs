@@ -1,7 +1,7 @@
 //! Weights between the vertices of two spheres.
 //!
-//! The rule is that of Connectome Workbench's `ADAP_BARY_AREA`, by its documentation: barycentric weights both ways, of
-//! which each target takes those that use all data, with areas as correction.
+//! The rule is that of Connectome Workbench's `ADAP_BARY_AREA`, by its documentation and its results: barycentric
+//! weights both ways, of which each target takes those that use all data, with areas as correction.
 
 use super::locate::{PlaceOnSphere, SphereCells};
 use super::{Sphere, SphereError};
@@ -91,14 +91,15 @@ fn locate_all(
     let cells = SphereCells::new(sphere)?;
     let mut places = vec![PlaceOnSphere::default(); directions.len()];
     let chunks = places.par_chunks_mut(DIRECTIONS_AT_A_TIME).zip(directions.par_chunks(DIRECTIONS_AT_A_TIME));
-    chunks.try_for_each(|(places, directions)| {
-        progress.check()?;
-        for (place, direction) in places.iter_mut().zip(directions) {
-            *place = cells.locate(direction).ok_or(SphereError::Overlap)?;
-        }
-        Ok(())
-    })
-    .map(|()| places)
+    chunks
+        .try_for_each(|(places, directions)| {
+            progress.check()?;
+            for (place, direction) in places.iter_mut().zip(directions) {
+                *place = cells.locate(direction).ok_or(SphereError::Overlap)?;
+            }
+            Ok(())
+        })
+        .map(|()| places)
 }
 
 /// Rows of weights.
@@ -132,16 +133,11 @@ fn transpose(scattered: &[PlaceOnSphere], n_targets: usize, is_kept: impl Fn(usi
     Rows { starts, entries }
 }
 
-/// Weights of a target: those of all sources around it where these are more than the corners of the triangle that it is in,
-/// else those of the corners.
+/// Weights of a target: those of the sources around it if one of these is no corner of the triangle that it is in, so
+/// that all sources count, else those of the corners.
 fn choose_row(gathered: &PlaceOnSphere, spread: &[(u32, f64)]) -> Vec<(u32, f64)> {
-    let is_among = |s: u32| spread.binary_search_by_key(&s, |entry| entry.0).is_ok();
-    let has_more = spread.len() > gathered.entries().count();
-    if has_more && gathered.entries().all(|(s, _)| is_among(s)) {
-        spread.to_vec()
-    } else {
-        gathered.entries().collect()
-    }
+    let is_corner = |s: u32| gathered.entries().any(|(corner, _)| corner == s);
+    if spread.iter().all(|(s, _)| is_corner(*s)) { gathered.entries().collect() } else { spread.to_vec() }
 }
 
 /// Shares (target, source, share) of sources that no mean uses, in the order of the targets: at the corners around the
@@ -156,8 +152,7 @@ fn left_out(
     let mut amounts = Vec::new();
     let mut far = Vec::new();
     for s in unused {
-        let place: Vec<(u32, f64)> =
-            scattered[s].entries().filter(|(t, _)| is_kept(*t as usize)).collect();
+        let place: Vec<(u32, f64)> = scattered[s].entries().filter(|(t, _)| is_kept(*t as usize)).collect();
         let total: f64 = place.iter().map(|(_, weight)| weight).sum();
         if place.is_empty() {
             far.push(s);

@@ -102,8 +102,8 @@ pub fn write_cifti_fields(
     write_cifti_parts(path, &[CiftiPart { structure, fields }], columns)
 }
 
-/// Writes values of several surfaces, such as both hemispheres, as one CIFTI-2; see [`write_cifti_fields`]. The names of
-/// the columns are those of the first part.
+/// Writes values of several surfaces, such as both hemispheres, as one CIFTI-2; see [`write_cifti_fields`]. The names
+/// of the columns are those of the first part.
 ///
 /// # Errors
 /// The errors of [`write_cifti_fields`], and [`WriteError::CannotHold`] for parts with different numbers of columns.
