@@ -182,7 +182,7 @@ fn equal_spheres_of_any_radius_and_place_change_nothing() {
         let other = sphere(&(moved, triangles.clone()));
         assert!((other.radius - radius).abs() < 1e-9 * radius);
         assert_eq!(other.remarks().len(), usize::from(shift != 0.0), "a shift is named");
-        for keep in Keep::ALL {
+        for &keep in Keep::ALL {
             let values: Vec<f64> = uniform(1, points.len()).iter().map(|v| (9.0 * v).floor()).collect();
             let found = apply(&resampler(&own, &other), &values, keep);
             assert!(values.iter().zip(&found).all(|(v, w)| (v - w).abs() < 1e-9), "{keep} {radius}");
@@ -300,7 +300,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         });
         found.values.iter().map(|v| v.to_bits()).collect()
     };
-    for keep in Keep::ALL {
+    for &keep in Keep::ALL {
         assert_eq!(bits(1, keep), bits(3, keep), "{keep}");
     }
 }
