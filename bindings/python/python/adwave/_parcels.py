@@ -45,7 +45,7 @@ class Parcels:
     array([-1. , -1. ,  nan,  0.5,  0.5])
     """
 
-    labels: NDArray[np.integer[Any]]
+    labels: NDArray[Any]
     areas: NDArray[np.float64]
 
     def __init__(
@@ -66,7 +66,7 @@ class Parcels:
         self._parcel = np.full(len(array), -1)
         self._parcel[inside] = numbers
         self._weights = weights
-        self.areas = np.bincount(numbers, weights[inside])
+        self.areas = np.asarray(np.bincount(numbers, weights[inside]), dtype=np.float64)
 
     def __repr__(self) -> str:
         return f"<adwave.Parcels: {len(self.labels)} on {len(self._parcel)} vertices>"

@@ -116,9 +116,11 @@ class Resampler:
                 raise ValueError(f"values must have the hemispheres {self._names or 'of a list'}, got {list(values)}")
             found = self._apply_each([values[name] for name in self._names], keep, zeros)
             return dict(zip(self._names, found))  # noqa: B905
-        is_list = isinstance(values, (list, tuple)) and len(values) == len(self.sizes)
-        if is_list and all(np.ndim(part) for part in values):  # type: ignore[attr-defined]
-            return type(values)(self._apply_each(list(values), keep, zeros))  # type: ignore[arg-type,call-arg]
+        if isinstance(values, (list, tuple)) and len(values) == len(self.sizes):
+            each: list[Any] = list(values)
+            if all(np.ndim(part) for part in each):
+                found = self._apply_each(each, keep, zeros)
+                return found if isinstance(values, list) else tuple(found)
         array = values if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
         n = sum(self._sources)
         _, layout = signal_values(_as_floats(array), n, "values")
