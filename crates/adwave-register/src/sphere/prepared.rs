@@ -142,8 +142,9 @@ fn fit_sphere(points: &[[f64; 3]]) -> Result<([f64; 3], f64), SphereError> {
         let fitted = || fit_center(points, size);
         for (center, allowed) in [(Some([0.0; 3]), ROUNDED), (fitted(), NEARLY_ROUND)] {
             let Some(center) = center else { continue };
-            let distance = |p: &[f64; 3]| norm(&subtract(p, &center).map(|c| c / size)) * size;
-            let mean = points.iter().map(|p| distance(p) / points.len() as f64).sum::<f64>();
+            let scaled = |p: &[f64; 3]| norm(&subtract(p, &center).map(|c| c / size));
+            let distance = |p: &[f64; 3]| scaled(p) * size;
+            let mean = points.iter().map(scaled).sum::<f64>() / points.len() as f64 * size;
             let ends = points
                 .iter()
                 .map(distance)
