@@ -14,12 +14,14 @@ type Triangles = Vec<[u32; 3]>;
 
 /// A sphere of radius 1, made from an icosahedron by cutting triangles into four.
 fn icosphere(levels: usize) -> (Points, Triangles) {
-    let g = (1.0 + 5_f64.sqrt()) / 2.0;
+    let g = f64::midpoint(1.0, 5_f64.sqrt());
     let mut points: Points = Vec::new();
     for (a, b) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
         points.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]]);
     }
-    points.iter_mut().for_each(|p| *p = unit(*p));
+    for p in &mut points {
+        *p = unit(*p);
+    }
     let near = |a: usize, b: usize| a != b && dot(&points[a], &points[b]) > 0.4;
     let mut triangles = Vec::new();
     for a in 0..12 {
