@@ -1,13 +1,13 @@
 //! Options as they come from the Python classes. Their words are those of the crates.
 
 use crate::error::{self, value_error};
-use adwave::NamedValue;
-use adwave::bands::{BandsParams, FWHM, Schedule};
+use adwave::bands::{BandsParams, FWHM, Schedule, ScheduleError};
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, EndPoints, Masses, OperatorParams};
 use adwave::positions::PositionParams;
 use adwave::region::Length;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
+use adwave::{Decomposer, NamedValue};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
@@ -168,16 +168,18 @@ pub(crate) enum LevelOptions<'py> {
 }
 
 impl LevelOptions<'_> {
-    /// Levels on a shape whose diffusion has this step length and whose bounding box has this diagonal, in model units.
-    pub(crate) fn schedule(&self, step: f64, diagonal: f64) -> PyResult<Schedule> {
+    /// Levels on a shape.
+    pub(crate) fn schedule(&self, decomposer: &Decomposer) -> PyResult<Schedule> {
         let schedule = match self {
             Self::Widths { rms, fwhm } => {
                 let divisor = if rms.is_some() { 1.0 } else { FWHM };
                 let widths = rms.as_ref().or(fwhm.as_ref()).into_iter().flatten();
-                let sigma: Vec<f64> = widths
-                    .map(|width| Ok(length(width)?.to_model_units(diagonal) / divisor))
-                    .collect::<PyResult<_>>()?;
-                Schedule::lengths(&sigma, step)
+                let sigma = |given: &Bound<'_, PyAny>| {
+                    let width = decomposer.model_units(width(given)?);
+                    Ok(width.ok_or_else(|| error::to_exception(&ScheduleError::NoSphere))? / divisor)
+                };
+                let sigma: Vec<f64> = widths.map(sigma).collect::<PyResult<_>>()?;
+                Schedule::lengths(&sigma, decomposer.operator().step_length())
             }
             Self::Octaves { n_levels, voices } => Schedule::voices(*n_levels, *voices),
             Self::Count(n) => Schedule::dyadic(*n),
@@ -207,6 +209,14 @@ impl ConstraintOptions {
 /// Gains of a preset by its name.
 pub(crate) fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
     Ok(parse_name::<Preset>("preset", name)?.gains(n_levels))
+}
+
+/// Width of a level: a length, or an arc of a sphere such as `5deg`.
+fn width(given: &Bound<'_, PyAny>) -> PyResult<Length> {
+    match given.extract::<String>() {
+        Ok(text) => Length::parse_width(&text).map_err(|e| value_error(format!("{e}"))),
+        Err(_) => length(given),
+    }
 }
 
 /// A length in model units, or a share of the diagonal such as `"2%"`.

@@ -246,12 +246,11 @@ impl Prepared {
     /// Steps of each level; without levels, of the default ones, up to a share of the extent.
     #[pyo3(signature = (levels=None, extent=None))]
     fn schedule(&self, levels: Option<LevelOptions<'_>>, extent: Option<f64>) -> PyResult<Vec<f64>> {
-        let (step, diagonal) = (self.decomposer.operator().step_length(), self.decomposer.extent());
         let Some(levels) = levels else {
             let spec = LevelSpec::Default.resolve(&self.decomposer, extent.unwrap_or(DEFAULT_EXTENT));
             return Ok(spec.map_err(|e| error::to_exception(&e))?.schedule.steps().to_vec());
         };
-        Ok(levels.schedule(step, diagonal)?.steps().to_vec())
+        Ok(levels.schedule(&self.decomposer)?.steps().to_vec())
     }
 
     /// Width σ of the signal itself, 0, and of each level, in model units.

@@ -68,6 +68,7 @@ impl RecipeData {
                     match length {
                         Length::Units(units) => widths.append(*units)?,
                         Length::PercentOfDiagonal(percent) => widths.append(format!("{percent}%"))?,
+                        Length::Degrees(angle) => widths.append(format!("{angle}deg"))?,
                     }
                 }
                 found.set_item("lengths", widths)?;

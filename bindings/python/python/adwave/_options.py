@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 _UNIT = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*[A-Za-zµμ]+\s*")
 
 Length = Union[float, str]
-"""A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``."""
+"""A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``; the width of a level on
+a sphere about the origin may be an arc, ``"5deg"``."""
 
 SignalLike = Union[str, ArrayLike, None]
 """A signal: None for the coordinates, the name of a signal, or an (n,) or (n, channels) array."""
@@ -58,7 +59,8 @@ class Widths:
     ----------
     rms : sequence of float or str, optional
         Root mean square distances that one value spreads to, in model units or as a share of the bounding box's
-        diagonal such as ``"2%"``. On a surface this is √2 times the standard deviation along one axis.
+        diagonal such as ``"2%"``, or on a sphere about the origin as an arc, ``"5deg"``. On a surface this is √2 times
+        the standard deviation along one axis.
     fwhm : sequence of float or str, optional
         Full widths at half maximum, in the same units: 1.665 times the rms width on a surface.
 
@@ -69,12 +71,15 @@ class Widths:
 
     Examples
     --------
+    >>> import numpy as np
     >>> import adwave as aw
     >>> shape = aw.sample("sphere", vertices=1000)
     >>> aw.decompose(shape, levels=aw.Widths(fwhm=[0.2, 0.4])).fwhm.round(6)
     array([0.2, 0.4])
     >>> len(aw.Widths(rms=["2%", "4%", "8%"]))
     3
+    >>> float(np.degrees(aw.decompose(shape, levels=aw.Widths(fwhm="5deg")).fwhm[0]).round(9))
+    5.0
     """
 
     rms: Union[Sequence[Length], None] = None
@@ -433,7 +438,8 @@ class BandsRequest:
 def _lengths(widths: Any) -> list[Length]:
     each = [widths] if isinstance(widths, str) or np.ndim(widths) == 0 else widths
     for width in each:
-        if isinstance(width, str) and (unit := _UNIT.fullmatch(width)):
+        is_arc = isinstance(width, str) and width.strip().endswith("deg")
+        if isinstance(width, str) and not is_arc and (unit := _UNIT.fullmatch(width)):
             raise ValueError(
                 f"{width!r}: lengths are numbers in the unit of the points{_line_without_unit(width, unit[1])}"
             )

@@ -1,7 +1,7 @@
 //! The levels.
 
 use super::given_length::GivenLength;
-use super::parse::{count, length, number};
+use super::parse::{count, number, width};
 use adwave::LevelSpec;
 use adwave::region::Length;
 use clap::Args;
@@ -25,24 +25,24 @@ pub(crate) struct LevelArgs {
     /// a mesh or a grid 1e-4]
     #[arg(long, value_name = "E", value_parser = number)]
     pub(crate) accuracy: Option<f64>,
-    /// Levels with these widths σ, increasing, in model units or in % of the diagonal. σ is the root mean square
+    /// Levels with these widths σ, increasing, in model units, in % of the diagonal, or in degrees on a sphere (5deg). σ is the root mean square
     /// distance that a value spreads to: σ/√2 along each axis of a surface, and a full width at half maximum of 1.665 σ
     #[arg(
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
-        value_parser = length,
+        value_parser = width,
         allow_negative_numbers = true,
         conflicts_with_all = ["levels", "voices"]
     )]
     pub(crate) lengths: Option<Vec<Length>>,
-    /// Levels with these full widths at half maximum, increasing, in model units or in % of the diagonal: --lengths of
-    /// FWHM/1.665
+    /// Levels with these full widths at half maximum, increasing, in model units, in % of the diagonal, or in degrees on a
+    /// sphere (5deg): --lengths of FWHM/1.665
     #[arg(
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
-        value_parser = length,
+        value_parser = width,
         allow_negative_numbers = true,
         conflicts_with_all = ["levels", "voices", "steps", "lengths"]
     )]

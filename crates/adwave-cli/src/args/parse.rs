@@ -78,6 +78,14 @@ pub(crate) fn length(text: &str) -> Result<Length, String> {
     })
 }
 
+/// Reads the width of a level: a length, or an arc of a sphere such as `5deg`.
+pub(crate) fn width(text: &str) -> Result<Length, String> {
+    match Length::parse_width(text) {
+        Ok(arc @ Length::Degrees(_)) => Ok(arc),
+        _ => length(text),
+    }
+}
+
 /// Reads a region.
 pub(crate) fn region(text: &str) -> Result<Region, RegionSyntaxError> {
     parse_region(text)

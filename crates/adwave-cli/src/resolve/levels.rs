@@ -4,7 +4,7 @@ use crate::args::LevelArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{note, number};
-use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule};
+use adwave::bands::{BandsParams, DEFAULT_EXTENT, FWHM, Schedule};
 use adwave::region::Length;
 use adwave::{Decomposer, LevelSpec, LevelSpecError, ResolvedLevels};
 
@@ -32,6 +32,7 @@ pub(crate) fn format_length(length: Length) -> String {
     match length {
         Length::Units(units) => format!("{units:?}"),
         Length::PercentOfDiagonal(percent) => format!("{percent:?}%"),
+        Length::Degrees(angle) => format!("{angle:?}deg"),
     }
 }
 
@@ -71,9 +72,29 @@ pub(crate) fn resolve_spec(
     }
     let resolved = spec.resolve(decomposer, extent)?;
     if let LevelSpec::Widths(widths) = spec {
+        note_arcs(widths, decomposer, global);
         note_unusual_widths(widths, decomposer, global);
     }
     Ok(resolved)
+}
+
+/// Prints the radius on which widths in degrees were taken, and the beam that they are.
+fn note_arcs(widths: &[Length], decomposer: &Decomposer, global: &Global<'_>) {
+    let angle = |width: &Length| if let Length::Degrees(angle) = width { Some(*angle) } else { None };
+    let angles: Vec<f64> = widths.iter().filter_map(angle).collect();
+    let Some(radius) = decomposer.sphere_radius().filter(|_| !angles.is_empty()) else { return };
+    let list = |factor: f64| {
+        angles.iter().map(|angle| format!("{}°", number(factor * angle))).collect::<Vec<_>>().join(", ")
+    };
+    note(
+        global,
+        &format!(
+            "degrees are taken on the sphere of radius {}: FWHM {}, as Gaussian beams exp(−l(l+1)σ²/2) with σ = {}",
+            number(radius),
+            list(FWHM),
+            list(std::f64::consts::FRAC_1_SQRT_2)
+        ),
+    );
 }
 
 fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Global<'_>) {
@@ -81,7 +102,7 @@ fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Glob
     if diagonal <= 0.0 {
         return;
     }
-    let sigma = |width: &Length| width.to_model_units(diagonal);
+    let sigma = |width: &Length| decomposer.model_units(*width).unwrap_or(f64::NAN);
     let edge = decomposer.mean_length();
     if let Some(finest) = widths.first().map(sigma).filter(|finest| *finest < edge) {
         let (finest, edge) = (number(finest), number(edge));

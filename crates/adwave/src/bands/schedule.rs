@@ -50,6 +50,11 @@ pub enum ScheduleError {
         /// The level, from 1.
         level: usize,
     },
+    /// A width is an arc, and the places lie on no sphere about the origin.
+    #[error(
+        "a width in degrees needs places on a sphere about the origin; give it in the unit of the coordinates"
+    )]
+    NoSphere,
     /// The number of voices is 0 or larger than 64.
     #[error("the number of voices per octave must be in 1..={MAX_VOICES}, got {n_voices}")]
     Voices {

@@ -83,6 +83,7 @@ impl LevelSpec {
         let sigma = |width: &Length| match *width {
             Length::Units(width) => Length::Units(width / FWHM),
             Length::PercentOfDiagonal(width) => Length::PercentOfDiagonal(width / FWHM),
+            Length::Degrees(width) => Length::Degrees(width / FWHM),
         };
         Self::Widths(widths.iter().map(sigma).collect())
     }
@@ -172,8 +173,8 @@ impl LevelSpec {
                 Ok(ResolvedLevels { schedule, reason })
             }
             Self::Widths(widths) => {
-                let diagonal = decomposer.extent();
-                let sigma: Vec<f64> = widths.iter().map(|width| width.to_model_units(diagonal)).collect();
+                let sigma = |width: &Length| decomposer.model_units(*width).ok_or(ScheduleError::NoSphere);
+                let sigma: Vec<f64> = widths.iter().map(sigma).collect::<Result<_, _>>()?;
                 let schedule = Schedule::lengths(&sigma, decomposer.operator().step_length())?;
                 let reason = format!("{}, of the widths asked for", count_levels(schedule.n_levels()));
                 Ok(ResolvedLevels { schedule, reason })
@@ -188,11 +189,14 @@ fn check_widths(widths: &[Length]) -> Result<(), LevelSpecError> {
     for (k, &width) in widths.iter().enumerate() {
         let is_wider = match (width, before) {
             (Length::Units(width), Length::Units(before))
-            | (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before)) => width > before,
-            // Lengths of different units can be compared only if the diagonal is known.
-            (Length::Units(width) | Length::PercentOfDiagonal(width), _) => width > 0.0,
+            | (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before))
+            | (Length::Degrees(width), Length::Degrees(before)) => width > before,
+            // Lengths of different units can be compared only if the shape is known.
+            (Length::Units(width) | Length::PercentOfDiagonal(width) | Length::Degrees(width), _) => {
+                width > 0.0
+            }
         };
-        let (Length::Units(number) | Length::PercentOfDiagonal(number)) = width;
+        let (Length::Units(number) | Length::PercentOfDiagonal(number) | Length::Degrees(number)) = width;
         if !(is_wider && number.is_finite()) {
             return Err(LevelSpecError::BadWidth { nth: k + 1, width: number });
         }
@@ -219,6 +223,7 @@ impl fmt::Display for LevelSpec {
                 let text = |width: &Length| match width {
                     Length::Units(units) => units.to_string(),
                     Length::PercentOfDiagonal(percent) => format!("{percent}%"),
+                    Length::Degrees(angle) => format!("{angle}deg"),
                 };
                 write!(f, "widths={}", list(widths.iter().map(text).collect()))
             }
@@ -246,7 +251,7 @@ impl FromStr for LevelSpec {
                 Self::Steps(steps.split(',').map(step).collect::<Result<_, _>>()?)
             }
             Some(("widths", widths)) => {
-                let width = |length: &str| length.parse::<Length>().map_err(|_| wrong());
+                let width = |length: &str| Length::parse_width(length).map_err(|_| wrong());
                 Self::Widths(widths.split(',').map(width).collect::<Result<_, _>>()?)
             }
             _ => return Err(wrong()),
@@ -262,8 +267,15 @@ mod tests {
 
     #[test]
     fn text_reads_back_to_the_same_levels() {
-        for text in ["default", "levels=6", "levels=6,voices=2", "voices=3", "steps=1,2.5,4", "widths=0.5,2%"]
-        {
+        for text in [
+            "default",
+            "levels=6",
+            "levels=6,voices=2",
+            "voices=3",
+            "steps=1,2.5,4",
+            "widths=0.5,2%",
+            "widths=5deg,10deg",
+        ] {
             assert_eq!(text.parse::<LevelSpec>().unwrap().to_string(), text);
         }
         for bad in

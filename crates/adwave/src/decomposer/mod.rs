@@ -25,7 +25,7 @@ use crate::operator::{
     Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator, surface_diffusion,
 };
 use crate::parallel::expect_not_cancelled;
-use crate::region::{MetricEdges, SurfaceMetric};
+use crate::region::{Length, MetricEdges, SurfaceMetric};
 use crate::rows::CompressedRows;
 use crate::shape::{Adjacency, Health, NoShape, PreparedGeometry, Shape, VertexMap, health};
 use crate::signal::{CloseSheets, OutwardError, OutwardNormals, close_sheets, outward_normals};
@@ -467,6 +467,35 @@ impl Decomposer {
     /// ([`PreparedGeometry::extent`]); 0 for a graph.
     pub fn extent(&self) -> f64 {
         self.extent
+    }
+
+    /// Radius of the sphere about the origin on which all places lie, to 1e-5 of it, in model units; `None` if there is
+    /// none. O(n).
+    pub fn sphere_radius(&self) -> Option<f64> {
+        let norm = |p: &[f64; 3]| p[0].hypot(p[1]).hypot(p[2]);
+        let radii = self.positions().iter().map(norm);
+        let (low, high) =
+            radii.fold((f64::INFINITY, 0.0_f64), |(low, high), radius| (low.min(radius), high.max(radius)));
+        // Steps of 32-bit floats and of rounded text.
+        (low > 0.0 && low <= high && high.is_finite() && high - low <= 1e-5 * high)
+            .then_some(0.5 * (low + high))
+    }
+
+    /// A width in model units; `None` for an arc if the places lie on no sphere about the origin. O(n) for an arc.
+    ///
+    /// ```
+    /// use adwave::{Decomposer, region::Length, sample::Sample, shape::{Mesh, Shape}};
+    /// let sphere = Sample::from_name("sphere", Some(300))?;
+    /// let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces)?);
+    /// let arc = Decomposer::new(&shape).model_units(Length::Degrees(180.0)).unwrap();
+    /// assert!((arc - std::f64::consts::PI).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn model_units(&self, width: Length) -> Option<f64> {
+        match width {
+            Length::Degrees(angle) => self.sphere_radius().map(|radius| radius * angle.to_radians()),
+            other => Some(other.to_model_units(self.extent())),
+        }
     }
 
     /// Mean edge length E, or mean distance to the nearest neighbors, in model units.

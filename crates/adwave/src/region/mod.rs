@@ -35,14 +35,39 @@ pub enum Length {
     Units(f64),
     /// Length in percent of the diagonal of the bounding box.
     PercentOfDiagonal(f64),
+    /// Arc of a great circle in degrees, on a sphere about the origin.
+    Degrees(f64),
 }
 
 impl Length {
-    /// The length in model units, for a bounding box with that `diagonal`.
+    /// The length in model units, for a bounding box with that `diagonal`; an arc for the box of a whole sphere, whose
+    /// diagonal is √12 radii. [`Decomposer::model_units`](crate::Decomposer::model_units) measures the radius.
     pub fn to_model_units(self, diagonal: f64) -> f64 {
         match self {
             Self::Units(length) => length,
             Self::PercentOfDiagonal(percent) => percent / 100.0 * diagonal,
+            Self::Degrees(angle) => angle.to_radians() * diagonal / 12_f64.sqrt(),
+        }
+    }
+
+    /// Reads the width of a level: a length as in [`FromStr`](std::str::FromStr), or an arc such as `5deg`.
+    ///
+    /// ```
+    /// use adwave::region::Length;
+    /// assert_eq!(Length::parse_width("5deg"), Ok(Length::Degrees(5.0)));
+    /// assert_eq!(Length::parse_width("2%"), Ok(Length::PercentOfDiagonal(2.0)));
+    /// assert!(Length::parse_width("5km").is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// [`RegionSyntaxError::NotALength`] for other text.
+    pub fn parse_width(text: &str) -> Result<Self, RegionSyntaxError> {
+        match text.trim().strip_suffix("deg").or_else(|| text.trim().strip_suffix('°')) {
+            Some(angle) if !angle.trim_end().ends_with('%') => match angle.parse()? {
+                Self::Units(angle) => Ok(Self::Degrees(angle)),
+                other => Ok(other),
+            },
+            _ => text.parse(),
         }
     }
 }
@@ -87,6 +112,7 @@ impl From<Length> for LengthText {
         match length {
             Length::Units(value) => Self::Number(value),
             Length::PercentOfDiagonal(percent) => Self::Text(format!("{percent}%")),
+            Length::Degrees(angle) => Self::Text(format!("{angle}deg")),
         }
     }
 }

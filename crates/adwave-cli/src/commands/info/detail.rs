@@ -74,6 +74,7 @@ fn typed(length: Length) -> String {
     match length {
         Length::Units(units) => units.to_string(),
         Length::PercentOfDiagonal(percent) => format!("{percent} % of the diagonal"),
+        Length::Degrees(angle) => format!("{angle}°"),
     }
 }
 
