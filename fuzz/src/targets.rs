@@ -99,6 +99,12 @@ fn shape_targets() -> Vec<Target> {
         shape("esri-grid", ESRI_GRID, |b| shape_file(b, "a.asc")),
         shape("mrc", &["MAP ", "\u{1}\0\0\0"], |b| shape_file(b, "a.mrc")),
         shape("nrrd", NRRD, |b| shape_file(b, "a.nrrd")),
+        shape("fits", &["NSIDE   = ", "TFORM1  = '", "EXPLICIT", "NESTED  '", "TNULL1  = "], |b| {
+            shape_file(b, "a.fits")
+        }),
+        shape("netcdf", &["vertex_of_cell", "verticesOnCell", "_FillValue", "start_index"], |b| {
+            shape_file(b, "a.nc")
+        }),
     ]
 }
 

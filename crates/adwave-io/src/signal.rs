@@ -52,11 +52,13 @@ impl ClassifiedError for NamedSignalError {
 /// Name of the signal with the sum of the weights at each node of a graph.
 pub const DEGREE: &str = "degree";
 
-/// Default signal of a shape: its coordinates, the degree of a graph's nodes, or the values of an image, a volume or a
-/// brain.
-pub fn default_signal(file: &ShapeFile) -> &'static str {
+/// Default signal of a shape: its coordinates, the degree of a graph's nodes, the values of an image, a volume or a
+/// brain, or the first field of a map.
+pub fn default_signal(file: &ShapeFile) -> &str {
+    let field = file.vertex_fields().first().or(file.face_fields().first());
     match file.grid() {
         Some(_) => GRID_VALUES,
+        None if file.is_map() && field.is_some() => field.map_or(COORDS, |field| &field.name),
         None if file.brain().is_some() => BRAIN_VALUES,
         None if file.points().is_empty() => DEGREE,
         None => COORDS,

@@ -41,10 +41,11 @@ impl SignalArgs {
         self.signal.as_deref()
     }
 
-    /// The name that was asked for, else that of the values of an image, a volume or a brain, else that of the
+    /// The name that was asked for, else that of the values of an image, a volume, a brain or a map, else that of the
     /// coordinates.
-    pub(crate) fn name_on(&self, file: &ShapeFile) -> &str {
-        let usual = if file.carries_values() { default_signal(file) } else { COORDS };
+    pub(crate) fn name_on<'a>(&'a self, file: &'a ShapeFile) -> &'a str {
+        let has_values = file.carries_values() || file.is_map();
+        let usual = if has_values { default_signal(file) } else { COORDS };
         self.asked_name().unwrap_or(usual)
     }
 

@@ -15,6 +15,8 @@ pub(crate) mod dmat;
 pub(crate) mod e57;
 #[cfg(feature = "grid")]
 pub(crate) mod esri_grid;
+#[cfg(feature = "sky")]
+pub(crate) mod fits;
 #[cfg(feature = "neuro")]
 pub(crate) mod freesurfer;
 #[cfg(feature = "more")]
@@ -35,6 +37,8 @@ pub(crate) mod mrc;
 pub(crate) mod msh;
 #[cfg(feature = "graph")]
 pub(crate) mod mtx;
+#[cfg(feature = "sky")]
+pub(crate) mod netcdf;
 #[cfg(feature = "grid")]
 pub(crate) mod nifti;
 pub(crate) mod npy;
@@ -132,6 +136,10 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &graph::GRAPHML,
     #[cfg(feature = "more")]
     &geomview::GEOMVIEW,
+    #[cfg(feature = "sky")]
+    &fits::FITS,
+    #[cfg(feature = "sky")]
+    &netcdf::NETCDF,
     #[cfg(feature = "grid")]
     &nifti::NIFTI,
     #[cfg(feature = "grid")]

@@ -85,6 +85,8 @@ pub struct ShapeFile {
     pub(crate) grid: Option<Arc<GridLayout>>,
     /// Parts of the brain that the values belong to.
     pub(crate) brain: Option<Arc<BrainLayout>>,
+    /// True if the places are those of a map, whose fields are the content.
+    pub(crate) is_map: bool,
     /// Type of the numbers of a written grid; `None` for that of the original or of the values.
     pub(crate) value_type: Option<ValueType>,
     /// Unit of length of the coordinates, if it is known.
@@ -153,6 +155,7 @@ impl ShapeFile {
             precision: CoordinatePrecision::F64,
             grid: None,
             brain: None,
+            is_map: false,
             value_type: None,
             unit: None,
             coordinate_system: None,
@@ -246,6 +249,11 @@ impl ShapeFile {
     /// Format of the original bytes; `None` without an original file.
     pub fn format(&self) -> Option<Format> {
         self.format
+    }
+
+    /// True if the content of the file are fields on places that are given, such as a map of the sky or of the earth.
+    pub fn is_map(&self) -> bool {
+        self.is_map
     }
 
     /// Number type of the coordinates in the file.

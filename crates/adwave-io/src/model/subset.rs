@@ -63,6 +63,7 @@ impl ShapeFile {
             precision: self.precision,
             unit: self.unit.clone(),
             coordinate_system: self.coordinate_system.clone(),
+            is_map: self.is_map,
             original: source.and_then(|source| source.subset(subset.vertices)),
             // The normals of an STL belong to its triangles.
             moved: true,

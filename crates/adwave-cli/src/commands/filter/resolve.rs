@@ -146,8 +146,9 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         Borders::Free => operator.with_end_points(EndPoints::Free),
         _ => operator,
     };
-    // Heat alone keeps the sum of an image, and is the Gaussian that its users know.
-    let usual = if input.file.carries_values() { LocalFit::Constant } else { LocalFit::Linear };
+    // Heat alone keeps the sum of an image or a map, and is the Gaussian that their users know.
+    let has_values = input.file.carries_values() || input.file.is_map();
+    let usual = if has_values { LocalFit::Constant } else { LocalFit::Linear };
     let fit = resolve_local_fit(args, recipe, &signal_name, positions, usual)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });

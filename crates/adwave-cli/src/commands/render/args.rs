@@ -16,10 +16,9 @@ use std::str::FromStr;
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without --color a shape has the colors of its file, else a single color. A field with both signs gets a diverging map with 0 in the
-middle, other fields viridis, from the 1st to the 99th percentile; NaN is gray. The front view looks from +z with y up, or with
---up z from -y. A curve is drawn as
-round lines, an image flat and in gray, a volume as its three middle slices. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
+Without --color a shape has the colors of its file, a map of the sky or the earth its first field, else a single
+color. A field with both signs gets a diverging map with 0 in the middle, other fields viridis, from the 1st to the 99th
+percentile; NaN is gray. The front view looks from +z with y up, or with --up z from -y. A curve is drawn as round lines, an image flat and in gray, a volume as its three middle slices. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
 
 Examples:
   adwave render bunny.obj -o bunny.png

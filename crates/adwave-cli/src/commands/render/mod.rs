@@ -260,6 +260,8 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
         if let Some(mesh) = input.shape.as_mesh() { triangulate(points, mesh.faces()) } else { Vec::new() };
     let looks = if !args.region.is_empty() {
         vec![region_look(args, &input, global)?]
+    } else if args.color.is_empty() && has_one_channel(&input) {
+        vec![look(args, global, &input, default_signal(&input.file))?]
     } else if args.color.is_empty() {
         let colors = input.file.field("color").and_then(|field| bytes(field.n_channels, &field.values));
         vec![colors.map_or(Look::Plain, |values| Look::Colors { values, label: "color".to_owned() })]
@@ -271,6 +273,11 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
         None => Glyphs::default(),
     };
     Ok(ShownShape { input, triangles, tubes, sheet: None, looks, glyphs })
+}
+
+/// True for a map whose first field has one value for each vertex.
+fn has_one_channel(input: &Input) -> bool {
+    input.file.is_map() && input.file.vertex_fields().first().is_some_and(|field| field.n_channels == 1)
 }
 
 /// An image or the slices of a volume with their colors: by default those of the file, else gray.
