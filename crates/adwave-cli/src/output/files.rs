@@ -171,14 +171,15 @@ pub(crate) fn clone_for_output(file: &ShapeFile, path: &Path) -> ShapeFile {
     file
 }
 
-/// Frees the bytes that a shape was read from before long work. A scan that is written as a scan, and an image or a
-/// volume or a brain that is written in its format, keep them, because coordinate systems and similar records are stored nowhere
-/// else.
+/// Frees the bytes that a shape was read from before long work. A scan that is written as a scan, and an image, a
+/// volume, a brain or a map that is written in its format, keep them, because coordinate systems and similar records
+/// are stored nowhere else.
 pub(crate) fn release_source(file: &mut ShapeFile, path: &Path) {
     let is_scan = |format: Option<Format>| matches!(format, Some(Format::LAS | Format::LAZ | Format::EPT));
     let is_grid = file.grid().is_some() && file.format() == Format::grid_from_path(path);
     let is_brain = file.brain().is_some() && file.format() == Format::from_path(path);
-    if !(is_grid || is_brain || is_scan(file.format()) && is_scan(Format::from_path(path))) {
+    let is_map = file.is_map() && file.format() == Format::from_path(path);
+    if !(is_grid || is_brain || is_map || is_scan(file.format()) && is_scan(Format::from_path(path))) {
         file.forget_original();
     }
 }

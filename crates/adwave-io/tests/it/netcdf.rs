@@ -216,7 +216,8 @@ fn cells_of_icon_are_vertices_with_levels_and_times() {
         assert!(if cell == 5 { value.is_nan() } else { value == 8.0 + cell as f64 });
         assert_eq!(second.get(cell, 1), 32.0 + cell as f64);
     }
-    assert!(shape.notes()[0].contains("ICON mesh: vertices are the centers of cells, on the sphere of radius 6371.229 km that the file states"));
+    let note = "ICON mesh: vertices are the centers of cells, on the sphere of radius 6371.229 km that the file states";
+    assert!(shape.notes()[0].contains(note));
 }
 
 #[test]

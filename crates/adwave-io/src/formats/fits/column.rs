@@ -112,8 +112,8 @@ impl Column {
         is(UNSEEN) || self.bad.is_some_and(is)
     }
 
-    /// All values of a column of numbers, in the number type of the file; unknown ones are NaN, for which integers become
-    /// 64-bit floats, as do scaled numbers.
+    /// All values of a column of numbers, in the number type of the file; unknown ones are NaN, for which integers
+    /// become 64-bit floats, as do scaled numbers.
     pub(super) fn values(&self, data: &[u8], row_bytes: usize, n: usize) -> FieldValues {
         let kind = self.kind.unwrap_or(ValueType::F64);
         let is_null = |number: i64| self.null == Some(number);

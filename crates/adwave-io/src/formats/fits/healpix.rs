@@ -114,8 +114,8 @@ impl Pixelization {
         first + (longitude - shift) / 2 % length
     }
 
-    /// First number, number of pixels, and place of the first center east of the meridian 0 (0 or 1, in half pixels) of a
-    /// ring, from 1 to `4n − 1`.
+    /// First number, number of pixels, and place of the first center east of the meridian 0 (0 or 1, in half pixels) of
+    /// a ring, from 1 to `4n − 1`.
     fn ring(self, ring: u64) -> (u64, u64, u64) {
         let n = self.n_side;
         if ring < n {
@@ -250,8 +250,8 @@ impl Pixelization {
     }
 
     /// Mesh that joins the centers of the pixels with these numbers: a face around each corner of pixels at which three
-    /// or four of them meet. `numbers` are the pixels of the vertices. Polygons are counterclockwise from outside. O(n),
-    /// O(n log n) for a part of the sphere.
+    /// or four of them meet. `numbers` are the pixels of the vertices. Polygons are counterclockwise from outside.
+    /// O(n), O(n log n) for a part of the sphere.
     pub(super) fn dual_faces(
         self,
         numbers: &PixelNumbers,
@@ -278,8 +278,8 @@ impl Pixelization {
                 None => {}
             }
         }
-        // Corners that are the southern one of no pixel: between two northern base faces, at the northern ends of those of
-        // the belt, and the north pole.
+        // Corners that are the southern one of no pixel: between two northern base faces, at the northern ends of those
+        // of the belt, and the north pole.
         for [k, y] in self.northern_sides(numbers) {
             let next = (k + 1) % 4;
             add(&[
@@ -301,8 +301,8 @@ impl Pixelization {
         Ok(faces)
     }
 
-    /// Corners between two northern base faces, without their ends, at which pixels are: the western face, and the place
-    /// along the side from 1 on.
+    /// Corners between two northern base faces, without their ends, at which pixels are: the western face, and the
+    /// place along the side from 1 on.
     fn northern_sides(self, numbers: &PixelNumbers) -> Vec<[u64; 2]> {
         let last = self.n_side - 1;
         let PixelNumbers::Some { of_vertex, .. } = numbers else {

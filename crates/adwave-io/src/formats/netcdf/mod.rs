@@ -2,8 +2,8 @@
 //!
 //! If fields lie on the nodes, nodes are the vertices and cells the faces. Else the centers of the cells are the
 //! vertices, and the faces join the cells that meet at a node, so that everything that works on vertices works on
-//! fields of cells. Longitudes and latitudes become points in km on the sphere that the file states. Times are channels,
-//! levels are fields of their own, fill values are NaN.
+//! fields of cells. Longitudes and latitudes become points in km on the sphere that the file states. Times are
+//! channels, levels are fields of their own, fill values are NaN.
 //!
 //! Library: `hdf5-pure` for NetCDF-4, as for AnnData. The crate `netcdf` needs the C library; `netcdf3` reads a file by
 //! its path and neither CDF-5 nor bytes, and its header takes few lines.
