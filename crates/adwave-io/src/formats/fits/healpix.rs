@@ -233,7 +233,7 @@ impl Pixelization {
     /// Pixels around the southern corner of a pixel, counterclockwise from outside, from that pixel on: three or four.
     /// A corner between two southern base faces is that of a pixel in either, and belongs to the western one; the south
     /// pole belongs to base face 8.
-    fn around_south_corner(self, pixel: Pixel) -> Option<(Pixel, Pixel, Option<Pixel>, Pixel)> {
+    fn pixels_at_south_corner(self, pixel: Pixel) -> Option<(Pixel, Pixel, Option<Pixel>, Pixel)> {
         let Pixel { face, x, y } = pixel;
         let last = self.n_side - 1;
         let (west, east) = (self.south_west(pixel), self.south_east(pixel));
@@ -272,7 +272,7 @@ impl Pixelization {
         for k in 0..n_owners {
             report_row(progress, k, n_owners)?;
             let number = owners.as_ref().map_or(k, |owners| owners[k as usize]);
-            match self.around_south_corner(self.pixel(number)) {
+            match self.pixels_at_south_corner(self.pixel(number)) {
                 Some((north, west, Some(south), east)) => add(&[north, west, south, east]),
                 Some((north, west, None, east)) => add(&[north, west, east]),
                 None => {}

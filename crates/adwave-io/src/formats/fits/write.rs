@@ -97,7 +97,7 @@ pub(super) fn write_fits(shape: &ShapeFile, context: &mut WriteContext<'_>) -> R
         }
     };
     let fields: Vec<&Field> = pixels.iter().chain(&shape.vertex_fields).collect();
-    let columns: Vec<WrittenColumn<'_>> = fields.iter().flat_map(|field| written(field)).collect();
+    let columns: Vec<WrittenColumn<'_>> = fields.iter().flat_map(|field| field_columns(field)).collect();
     let mut header = table_header(source, &columns, n, repeat);
     header.extend_from_slice(&kept_cards(source));
     header.extend_from_slice(b"END");
@@ -127,7 +127,7 @@ struct WrittenColumn<'a> {
     channel: usize,
 }
 
-fn written(field: &Field) -> impl Iterator<Item = WrittenColumn<'_>> {
+fn field_columns(field: &Field) -> impl Iterator<Item = WrittenColumn<'_>> {
     let names = if field.n_channels == 1 { vec![field.name.clone()] } else { column_names(field) };
     names.into_iter().enumerate().map(move |(channel, name)| WrittenColumn { name, field, channel })
 }

@@ -48,7 +48,7 @@ impl CornerTable {
             report_row(progress, cell as u64, n_cells as u64)?;
             let row = &self.numbers[cell * self.width..(cell + 1) * self.width];
             let n = match self.counts.as_ref().map(|counts| counts[cell]) {
-                Some(n) if n >= 0.0 && n <= self.width as f64 => n as usize,
+                Some(n) if (0.0..=self.width as f64).contains(&n) => n as usize,
                 Some(n) => {
                     return wrong(
                         cell,
@@ -63,7 +63,7 @@ impl CornerTable {
                     continue;
                 }
                 let node = number - self.first;
-                if !(node >= 0.0 && node < n_nodes as f64) {
+                if !(0.0..n_nodes as f64).contains(&node) {
                     return wrong(
                         cell,
                         format!(

@@ -183,9 +183,9 @@ fn ugrid(file: &NetCdf<'_>, topology: &Variable, progress: Progress<'_>) -> Resu
             "the mesh topology must name two node_coordinates; correct the file".into(),
         ));
     };
-    let [x, y] = [file.needed(x, "the mesh")?, file.needed(y, "the mesh")?];
+    let [x, y] = [file.require(x, "the mesh")?, file.require(y, "the mesh")?];
     let name = topology.text("face_node_connectivity").unwrap_or("face_node_connectivity");
-    let faces = file.needed(name, "the mesh")?;
+    let faces = file.require(name, "the mesh")?;
     let (node_axis, n_nodes) = single_axis(x)?;
     let face_axis = topology.text("face_dimension");
     let (cell_axis, mut table) =
@@ -230,8 +230,8 @@ fn ugrid(file: &NetCdf<'_>, topology: &Variable, progress: Progress<'_>) -> Resu
 }
 
 fn mpas(file: &NetCdf<'_>, progress: Progress<'_>) -> Result<CellMesh, ReadError> {
-    let table_variable = file.needed("verticesOnCell", "a mesh of MPAS")?;
-    let n_corners = file.needed("nEdgesOnCell", "a mesh of MPAS")?;
+    let table_variable = file.require("verticesOnCell", "a mesh of MPAS")?;
+    let n_corners = file.require("nEdgesOnCell", "a mesh of MPAS")?;
     let (cell_axis, n_cells) = single_axis(n_corners)?;
     let (_, mut table) =
         corner_table(file, table_variable, |name, size| name == cell_axis || size == n_cells as u64)?;
@@ -241,7 +241,7 @@ fn mpas(file: &NetCdf<'_>, progress: Progress<'_>) -> Result<CellMesh, ReadError
     let is_sphere = file.text("on_a_sphere").is_none_or(|word| word.to_ascii_uppercase().starts_with('Y'));
     let radius = is_sphere.then(|| radius_of(file));
     let of_kind = |kind: &str| -> Result<Vec<[f64; 3]>, ReadError> {
-        let named = |begin: &str| file.needed(&format!("{begin}{kind}"), "a mesh of MPAS");
+        let named = |begin: &str| file.require(&format!("{begin}{kind}"), "a mesh of MPAS");
         match radius {
             Some(radius) => points_on_sphere(file, [named("lon")?, named("lat")?], RADIANS, radius),
             None => {
@@ -278,13 +278,13 @@ fn mpas(file: &NetCdf<'_>, progress: Progress<'_>) -> Result<CellMesh, ReadError
 fn icon(file: &NetCdf<'_>, progress: Progress<'_>) -> Result<CellMesh, ReadError> {
     let first_of = |names: [&str; 2]| match file.variable(names[0]) {
         Some(variable) => Ok(variable),
-        None => file.variable(names[1]).map_or_else(|| file.needed(names[0], "a mesh of ICON"), Ok),
+        None => file.variable(names[1]).map_or_else(|| file.require(names[0], "a mesh of ICON"), Ok),
     };
     let center = [first_of(["clon", "lon_cell_centre"])?, first_of(["clat", "lat_cell_centre"])?];
     let vertex = [first_of(["vlon", "longitude_vertices"])?, first_of(["vlat", "latitude_vertices"])?];
     let (cell_axis, n_cells) = single_axis(center[0])?;
     let (node_axis, _) = single_axis(vertex[0])?;
-    let table_variable = file.needed("vertex_of_cell", "a mesh of ICON")?;
+    let table_variable = file.require("vertex_of_cell", "a mesh of ICON")?;
     let (_, mut table) =
         corner_table(file, table_variable, |name, size| name == cell_axis || size == n_cells as u64)?;
     table.first = 1.0;
@@ -343,6 +343,7 @@ fn check_centers(centers: &[[f64; 3]], n_cells: usize) -> Result<(), ReadError> 
 }
 
 /// Variables of the centers and of the corners of cells, longitude and latitude each.
+#[derive(Clone, Copy)]
 struct CellBounds<'a> {
     centers: [&'a Variable; 2],
     corners: [&'a Variable; 2],

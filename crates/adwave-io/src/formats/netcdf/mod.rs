@@ -33,10 +33,10 @@ impl Format {
 /// Any HDF5 may be a NetCDF-4: as a shape if its name says so, else as values for a mesh.
 fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
     let is_hdf5 = file.bytes.starts_with(b"\x89HDF\r\n\x1a\n");
-    match is_classic(file.bytes) || (is_hdf5 && file.is_named(&NETCDF)) {
-        true => Some(Evidence::Signature),
-        false => is_hdf5.then_some(Evidence::Statement),
+    if is_classic(file.bytes) || (is_hdf5 && file.is_named(&NETCDF)) {
+        return Some(Evidence::Signature);
     }
+    is_hdf5.then_some(Evidence::Statement)
 }
 
 pub(crate) static NETCDF: FormatDescriptor = FormatDescriptor {

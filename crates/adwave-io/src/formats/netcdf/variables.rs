@@ -123,7 +123,7 @@ impl<'a> NetCdf<'a> {
     }
 
     /// Variable of a name that must be there.
-    pub(super) fn needed(&self, name: &str, of: &str) -> Result<&Variable, ReadError> {
+    pub(super) fn require(&self, name: &str, of: &str) -> Result<&Variable, ReadError> {
         self.variable(name).ok_or_else(|| {
             ReadError::Whole(format!(
                 "{of} needs the variable {}, which the file does not have; get the grid file",
