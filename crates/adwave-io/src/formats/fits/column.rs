@@ -62,12 +62,11 @@ pub(super) fn columns(unit: &Unit) -> Result<Vec<Column>, ReadError> {
         let n_digits = form.bytes().take_while(u8::is_ascii_digit).count();
         let repeat: usize = if n_digits == 0 { 1 } else { form[..n_digits].parse().map_err(|_| wrong())? };
         let letter = *form.as_bytes().get(n_digits).ok_or_else(wrong)?;
-        let (n_bytes, kind) = match letter {
-            b'X' => (repeat.div_ceil(8), None),
-            _ => {
-                let (bytes, kind) = letter_of_type(letter).ok_or_else(wrong)?;
-                (bytes.saturating_mul(repeat), kind)
-            }
+        let (n_bytes, kind) = if letter == b'X' {
+            (repeat.div_ceil(8), None)
+        } else {
+            let (bytes, kind) = letter_of_type(letter).ok_or_else(wrong)?;
+            (bytes.saturating_mul(repeat), kind)
         };
         let named = unit.text(&format!("TTYPE{k}")).filter(|name| !name.is_empty());
         columns.push(Column {

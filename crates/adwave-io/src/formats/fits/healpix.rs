@@ -133,7 +133,7 @@ impl Pixelization {
         let n = self.n_side;
         let n_cap = 2 * n * (n - 1);
         // 2·i·(i − 1) ≤ number < 2·i·(i + 1) on the ring i.
-        let within_cap = |number: u64| (1 + (1 + 2 * number).isqrt()) / 2;
+        let within_cap = |number: u64| (1 + 2 * number).isqrt().div_ceil(2);
         if number < n_cap {
             within_cap(number)
         } else if number < self.n_pixels() - n_cap {

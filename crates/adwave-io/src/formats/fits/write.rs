@@ -84,8 +84,9 @@ pub(super) fn write_fits(shape: &ShapeFile, context: &mut WriteContext<'_>) -> R
     };
     source.check_places(shape, context)?;
     context.report.report_face_fields(shape, &[]);
-    for extra in source.table_extras(shape) {
-        context.report.report_dropped(extra);
+    // Columns that are no numbers are in the old table alone.
+    for extra in shape.extras.iter().filter(|extra| extra.starts_with("column ")) {
+        context.report.report_dropped(extra.clone());
     }
     let n = shape.n_vertices;
     let (pixels, repeat) = match &source.numbers {
@@ -242,10 +243,5 @@ impl FitsSource {
         }
         let what = "moved points: its places are the centers of pixels".to_owned();
         Err(WriteError::CannotHold { format: context.format, what })
-    }
-
-    /// Content of the table that a new table does not have.
-    fn table_extras(&self, shape: &ShapeFile) -> Vec<String> {
-        shape.extras.iter().filter(|extra| extra.starts_with("column ")).cloned().collect()
     }
 }

@@ -196,19 +196,16 @@ fn ugrid(file: &NetCdf<'_>, topology: &Variable, progress: Progress<'_>) -> Resu
         .is_some_and(|unit| unit == "m" || unit.starts_with("meter") || unit.starts_with("metre"))
         || x.text("standard_name").is_some_and(|name| name.starts_with("projection"));
     let radius = (!is_plane).then(|| radius_of(file));
-    let nodes = match radius {
-        Some(radius) => {
-            let is_latitude = |v: &Variable| {
-                v.text("standard_name") == Some("latitude")
-                    || v.text("units").is_some_and(|unit| unit.contains("north"))
-            };
-            let pair = if is_latitude(x) && !is_latitude(y) { [y, x] } else { [x, y] };
-            points_on_sphere(file, pair, DEGREES, radius)?
-        }
-        None => {
-            let (x, y) = (file.values(x)?, file.values(y)?);
-            x.iter().zip(&y).map(|(x, y)| [*x, *y, 0.0]).collect()
-        }
+    let nodes = if let Some(radius) = radius {
+        let is_latitude = |v: &Variable| {
+            v.text("standard_name") == Some("latitude")
+                || v.text("units").is_some_and(|unit| unit.contains("north"))
+        };
+        let pair = if is_latitude(x) && !is_latitude(y) { [y, x] } else { [x, y] };
+        points_on_sphere(file, pair, DEGREES, radius)?
+    } else {
+        let (x, y) = (file.values(x)?, file.values(y)?);
+        x.iter().zip(&y).map(|(x, y)| [*x, *y, 0.0]).collect()
     };
     if nodes.len() != n_nodes {
         return Err(ReadError::Whole(
@@ -242,14 +239,12 @@ fn mpas(file: &NetCdf<'_>, progress: Progress<'_>) -> Result<CellMesh, ReadError
     let radius = is_sphere.then(|| radius_of(file));
     let of_kind = |kind: &str| -> Result<Vec<[f64; 3]>, ReadError> {
         let named = |begin: &str| file.require(&format!("{begin}{kind}"), "a mesh of MPAS");
-        match radius {
-            Some(radius) => points_on_sphere(file, [named("lon")?, named("lat")?], RADIANS, radius),
-            None => {
-                let [x, y, z] =
-                    [file.values(named("x")?)?, file.values(named("y")?)?, file.values(named("z")?)?];
-                let n = x.len().min(y.len()).min(z.len());
-                Ok((0..n).map(|k| [x[k], y[k], z[k]]).collect())
-            }
+        if let Some(radius) = radius {
+            points_on_sphere(file, [named("lon")?, named("lat")?], RADIANS, radius)
+        } else {
+            let [x, y, z] = [file.values(named("x")?)?, file.values(named("y")?)?, file.values(named("z")?)?];
+            let n = x.len().min(y.len()).min(z.len());
+            Ok((0..n).map(|k| [x[k], y[k], z[k]]).collect())
         }
     };
     let (nodes, centers) = (of_kind("Vertex")?, of_kind("Cell")?);
