@@ -39,10 +39,10 @@ pub struct CrossingPlace {
 /// O(pairs of overlapping boxes).
 ///
 /// ```
-/// use adwave::{Decomposer, Progress, shape::{Mesh, Shape}};
+/// use adwave::{Decomposer, Progress, shape::{Mesh, Polygons, Shape}};
 /// use adwave_deform::new_crossings;
 /// let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, 1.0], [0.3, 0.2, 1.0], [0.2, 0.3, 2.0]];
-/// let mesh = Mesh::from_triangles(points.clone(), vec![[0, 1, 2], [3, 4, 5]])?;
+/// let mesh = Mesh::new(points.clone(), Polygons::from_triangles(&[[0, 1, 2], [3, 4, 5]]))?;
 /// let decomposer = Decomposer::new(&Shape::Mesh(mesh));
 /// let mut after = points;
 /// assert_eq!(new_crossings(&decomposer, &after, Progress::none())?.n_pairs, 0);

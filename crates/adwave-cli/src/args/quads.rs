@@ -36,12 +36,7 @@ impl QuadArgs {
     }
 
     /// Refuses these options for a mesh of triangles.
-    pub(crate) fn refuse_on_triangles(
-        &self,
-        mesh: &Mesh,
-        name: &str,
-        global: &Global<'_>,
-    ) -> Result<(), CliError> {
+    pub(crate) fn refuse_on_triangles(mesh: &Mesh, name: &str, global: &Global<'_>) -> Result<(), CliError> {
         if mesh.faces().triangles().is_none() {
             return Ok(());
         }

@@ -117,7 +117,7 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
         prepare(input, family, &args.quads, signal, progress)
     })?;
     if let Some(mesh) = job.input.shape.as_mesh() {
-        args.quads.refuse_on_triangles(mesh, &job.input.name, global)?;
+        QuadArgs::refuse_on_triangles(mesh, &job.input.name, global)?;
     }
     if args.inverse {
         return write_field(args, &job, kind, global);

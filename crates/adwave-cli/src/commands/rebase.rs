@@ -145,7 +145,7 @@ fn rebase_level(args: &RebaseArgs, level: usize, path: &Path, global: &Global<'_
     let Some(mesh) = input.shape.as_mesh() else {
         return Err(CliError::Input(format!("{}: --level needs a mesh; use --width", input.name)));
     };
-    args.quads.refuse_on_triangles(mesh, &input.name, global)?;
+    QuadArgs::refuse_on_triangles(mesh, &input.name, global)?;
     let base = with_progress(global, "finding levels", |progress| LevelBase::new(args, mesh, progress))
         .map_err(name_error)?;
     let sizes: Vec<usize> = (0..=base.hierarchy.n_levels()).map(|k| base.hierarchy.n_vertices(k)).collect();

@@ -107,8 +107,8 @@ fn labels_stay_labels_and_sums_stay_sums() {
     assert!((told["hemispheres"][0]["kept_before"].as_f64().unwrap() - before).abs() < 1e-9 * before);
     assert!((told["hemispheres"][0]["kept_after"].as_f64().unwrap() - after).abs() < 1e-9 * before);
     // A mask of the target.
-    let mask: String = (0..m).map(|k| format!("{}\n", u8::from(k % 3 != 0))).collect();
-    fs::write(path.join("mask.csv"), format!("inside\n{mask}")).unwrap();
+    let mask: Vec<String> = (0..m).map(|k| u8::from(k % 3 != 0).to_string()).collect();
+    fs::write(path.join("mask.csv"), format!("inside\n{}\n", mask.join("\n"))).unwrap();
     let told =
         json(path, &format!("resample lh.thickness.gii {pair} -o part.npy --keep sum --to-mask mask.csv"));
     assert_eq!(told["hemispheres"][0]["missing_vertices"].as_u64().unwrap(), m.div_ceil(3) as u64);

@@ -90,7 +90,9 @@ impl Classic {
         for (Variable(name, axes, own, numbers), offset) in self.variables.iter().zip(offsets) {
             text(&mut out, name);
             number(&mut out, axes.len());
-            axes.iter().for_each(|axis| number(&mut out, *axis));
+            for axis in axes {
+                number(&mut out, *axis);
+            }
             attributes(&mut out, own);
             number(&mut out, if matches!(numbers, Numbers::Ints(_)) { 4 } else { 6 });
             number(&mut out, 0);
