@@ -9,15 +9,21 @@ import adwave as aw
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import sparse
 
 RNG = np.random.default_rng(11)
 
 
-def random_graph(n: int = 60) -> NDArray[np.float64]:
+def random_weights(n: int = 60) -> NDArray[np.float64]:
     """Weights of a connected graph, n × n."""
     weights = np.triu(RNG.random((n, n)) * (RNG.random((n, n)) < 0.1), 1)
     weights[np.arange(n - 1), np.arange(1, n)] = 0.5
     return weights + weights.T
+
+
+def random_graph() -> sparse.csr_array:
+    """Weights of a connected graph, n × n."""
+    return sparse.csr_array(random_weights())
 
 
 def spectrum(weights: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -44,11 +50,11 @@ KERNELS = [
 
 
 def test_each_kernel_is_that_of_the_eigenvectors_within_its_error() -> None:
-    weights = random_graph()
+    weights = random_weights()
     f = RNG.normal(size=(60, 2))
     walk = aw.walk(weights, normalize="row")
     degrees = []
-    for accuracy in (1e-4, 1e-9):
+    for accuracy in (1e-3, 1e-6):
         result = aw.kernels.apply(walk, f, KERNELS, accuracy=accuracy)
         root = np.sqrt(weights.sum(1))[:, None]
         for values, error, kernel in zip(result.values, result.errors, KERNELS):
@@ -60,17 +66,17 @@ def test_each_kernel_is_that_of_the_eigenvectors_within_its_error() -> None:
 
 
 def test_filter_takes_a_kernel_for_each_kind_of_input() -> None:
-    weights = random_graph()
+    weights = random_weights()
     f = RNG.normal(size=60)
     expected = exact(weights, f[:, None], lambda x: 1 / (1 + x))[:, 0]
-    assert np.allclose(aw.filter(weights, f, lambda x: 1 / (1 + x)), expected, atol=1e-7)
+    assert np.allclose(aw.filter(sparse.csr_array(weights), f, lambda x: 1 / (1 + x)), expected, atol=1e-7)
     found = aw.filter(aw.walk(weights, normalize="row"), f.astype(np.float32), lambda x: 1 / (1 + x))
     assert found.dtype == np.float32 and np.allclose(found, expected, atol=1e-5)
     sphere = aw.sample("sphere", vertices=2000)
     smooth = aw.filter(sphere, aw.kernels.heat(0.05))
     assert isinstance(smooth, aw.Shape) and smooth.n_faces == sphere.n_faces
     # Coordinates of the unit sphere have the eigenvalue 2.
-    assert np.allclose(smooth.points, np.exp(-0.1) * sphere.points, atol=2e-4)
+    assert np.allclose(smooth.points, np.exp(-0.1) * sphere.points, atol=2e-3)
     heights = aw.filter(sphere, sphere.points[:, 2], aw.kernels.heat(0.05))
     assert np.allclose(heights, smooth.points[:, 2], atol=1e-12)
 
@@ -89,7 +95,7 @@ def test_vertices_at_one_position_keep_the_gain_of_the_finest_detail_between_the
     faces = np.array(sphere.faces).reshape(-1, 3)
     doubled = aw.Shape(points, faces)
     f = np.append(sphere.points[:, 2], sphere.points[0, 2] + 1)
-    largest = aw.Decomposer(doubled).spectral_range
+    largest = aw.Decomposer(doubled, operator="surface").spectral_range
     found = aw.filter(doubled, f, lambda x: x / largest)
     assert found[-1] - found[0] == pytest.approx(1.0, abs=1e-9)
 
@@ -105,12 +111,12 @@ def test_kinks_take_more_terms_and_say_when_they_are_too_many() -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda w, f: aw.filter(w, f, lambda x: 1 / x), "finite at all eigenvalues"),
+        (lambda w, f: aw.filter(w, f, lambda x: np.where(x > 0, x, np.inf)), "finite at all eigenvalues"),
         (lambda w, f: aw.filter(w, f, lambda x: np.ones(3)), "a gain for each of"),
         (lambda w, f: aw.filter(w, f, lambda x: x, levels=3), "levels: it does not apply"),
         (lambda w, f: aw.kernels.apply(w, f, []), "at least one function"),
         (lambda w, f: aw.kernels.apply(w, f, np.exp, accuracy=2), "accuracy: it must be"),
-        (lambda w, f: aw.filter(aw.walk(np.triu(w) + 0.1, normalize="row"), f, np.exp), "symmetric graph"),
+        (lambda w, f: aw.filter(aw.walk(np.triu(w.toarray()) + 0.1, normalize="row"), f, np.exp), "symmetric graph"),
         (lambda w, f: aw.filter(w, np.append(f[1:], np.nan), np.exp), "nan"),
         (lambda w, f: aw.kernels.heat(-1), "at least 0"),
         (lambda w, f: aw.kernels.meyer(1), "at least 2 kernels"),

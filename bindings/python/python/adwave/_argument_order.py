@@ -223,7 +223,8 @@ def ask_about_faces(function: str, shape: object, second: object, known: Sequenc
         if function in ("match", "distances"):
             call.arguments.append(rest)
 
-    line = working_line(function, join, f"aw.{function}((V, F), {rest})")
+    otherwise = f"aw.{function}((V, F))" if rest == "f" and function != "smooth" else f"aw.{function}((V, F), {rest})"
+    line = working_line(function, join, otherwise)
     advice = "; a signal of whole numbers goes as F.astype(float)" if rest in ("f", '"smooth"') else ""
     raise TypeError(
         f"{function}: are these the faces of the points? They go in a pair, (V, F), or as faces=F{advice}{line}"

@@ -266,6 +266,7 @@ def repair(
     """
     reasons: list[str] = []
     options = options or {}
+    name_ball(call)
     given = list(values) if values is not None else None
     if given is not None:
         reasons += _pair_faces(call, given)
@@ -337,6 +338,32 @@ SURPLUS = {
 }
 
 
+def surplus_of(function: str, text: str) -> str | None:
+    """Name of the option that a further argument by position is."""
+    value = literal(text)
+    if function == "simplify" and is_number(value) and value > 1:
+        return "vertices"
+    return SURPLUS.get(function)
+
+
+def name_ball(call: Call) -> None:
+    """A center and a radius as the text of a region."""
+    if call.name != "region" or call.is_method:
+        return
+    radius = next((call.keywords.pop(name) for name in ("radius", "r", "size") if name in call.keywords), None)
+    names = ("center", "vertex", "seed", "source", "index", "point")
+    center = next((call.keywords.pop(name) for name in names if name in call.keywords), None)
+    if center is None and len(call.arguments) > 1 and not isinstance(literal(call.arguments[1]), str):
+        center = call.arguments.pop(1)
+    if radius is None and center is not None and len(call.arguments) > 1:
+        radius = call.arguments.pop(1)
+    value = literal(center) if center is not None else None
+    if isinstance(value, (list, tuple)):
+        call.arguments.append(f'"ball:point={" ".join(map(str, value))},radius={radius or "10%"}"')
+    elif isinstance(value, int):
+        call.arguments.append(f'"ball:vertex={value},radius={radius or "10%"}"')
+
+
 def move_surplus(call: Call, places: Sequence[str], values: list[Any], known: Collection[str]) -> list[str]:
     """Arguments beyond those that go by position, by name."""
     if call.name == "Decomposer" and len(call.arguments) == 2:
@@ -346,13 +373,17 @@ def move_surplus(call: Call, places: Sequence[str], values: list[Any], known: Co
     reasons = []
     while len(call.arguments) > len(places):
         text = call.arguments.pop()
-        name = SURPLUS.get(call.name)
+        name = surplus_of(call.name, text)
         if name is None or name not in known or name in call.keywords:
             reasons.append(f"{text} has no place here")
             continue
         call.keywords[name] = text
         reasons.append(f"{text} goes by name, {name}={text}")
     return reasons
+
+
+#: Functions whose second argument is a signal.
+_SIGNAL_SECOND = ("smooth", "decompose", "saliency", "features", "denoise", "filter")
 
 
 def complete(call: Call, values: Sequence[Any] | None, known: Collection[str] = ()) -> None:
@@ -362,7 +393,14 @@ def complete(call: Call, values: Sequence[Any] | None, known: Collection[str] = 
     if image is not None and name in FUNCTIONS_OF_SHAPES and is_image_like(image) and isinstance(image, np.ndarray):
         wrap_grid(call)
     has_grid = "grid(" in (call.function if call.is_method else call.arguments[0] if call.arguments else "")
-    has_width = {"fwhm", "rms", "steps", "sigma"} & call.keywords.keys() or (call.is_method and len(call.arguments) > 1)
+    # A number in the place of the signal is the option that else goes by name.
+    own = 0 if call.is_method else 1
+    if name in _SIGNAL_SECOND and len(call.arguments) > own and is_number(literal(call.arguments[own])):
+        text = call.arguments.pop(own)
+        option = SURPLUS.get(name)
+        if option is not None:
+            call.keywords.setdefault("sigma" if has_grid and option == "steps" else option, text)
+    has_width = {"fwhm", "rms", "steps", "sigma"} & call.keywords.keys() or len(call.arguments) > own + 1
     if name == "smooth" and not has_width:
         call.keywords["sigma" if has_grid else "steps"] = "2" if has_grid else "3"
     if name == "filter" and "gains" not in call.keywords:
@@ -386,6 +424,8 @@ def complete(call: Call, values: Sequence[Any] | None, known: Collection[str] = 
             call.arguments[0] = f"{call.package}from_edge_index({call.arguments[0]})"
         elif len(call.arguments) == 1 and library_of(values[0]) == "torch_geometric":
             call.arguments.append(f"{call.arguments[0]}.x")
+    if name == "graph" and len(call.arguments) == 1 and not call.keywords:
+        call.function = f"{call.package}as_shape"
     if name == "simplify" and not {"error", "vertices", "ratio"} & call.keywords.keys():
         call.keywords["ratio"] = "0.5"
 

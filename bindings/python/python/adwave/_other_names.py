@@ -4,6 +4,8 @@ from __future__ import annotations
 
 #: Options of other libraries, by the option here that they stand for.
 _OPTIONS = {
+    # Only features have it, and of them a number is that of the best.
+    "best": "n_features n_best top top_k max_features n_keypoints num_features count n_max n k number num",
     "levels": (
         "n_levels level n_scales nscales j n_bands nlevels depth max_level num_levels num_scales nb_levels "
         "max_levels nb_scales octaves n_octaves nf n_filters num_filters n_components num_bands"
@@ -40,7 +42,6 @@ _OPTIONS = {
     "faces_wanted": "face_count target_number_of_triangles n_faces target_faces num_faces",
     "ratio": "fraction percent keep target_perc proportion",
     "reduction": "target_reduction percent_reduction",
-    "best": "n_features n_best top top_k max_features n_keypoints num_features count n_max",
     "theta": "threshold thresh thr threshold_abs min_response contrast_threshold",
     "open_browser": "open browser show launch",
     "axis": "dim",
@@ -110,7 +111,7 @@ _FUNCTIONS = {
     "match": (
         "icp registration_icp register registration align registration_ransac find_motion match_shapes fit_motion"
     ),
-    "distances": "distance hausdorff chamfer compare hausdorff_distance chamfer_distance compute_point_cloud_distance",
+    "distances": "distance hausdorff chamfer compare diff difference hausdorff_distance chamfer_distance compute_point_cloud_distance",
     "simplify": (
         "decimate decimation simplify_quadric_decimation decimate_pro reduce voxel_down_sample downsample "
         "qslim simplify_quadric simplify_mesh quadric_decimation"
@@ -124,7 +125,7 @@ _FUNCTIONS = {
     "render": "plot show view draw picture screenshot snapshot plot_mesh",
     "sample": "example dataset samples load_example example_mesh get_sample",
     "info": "describe summary stats health check",
-    "region": "roi select ball mask",
+    "region": "roi select ball mask brush patch geodesic_ball neighborhood",
     "Widths": "widths scales",
     "Steps": "steps",
     "Decomposer": "prepare prepared waveletoperator operator_of solver",

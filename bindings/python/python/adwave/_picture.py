@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._caller import public
+from adwave._caller import Call, public
 from adwave._layout import vertex_weights
 from adwave._measures import Features
+from adwave._misfit import working_line
 from adwave._notebook import PictureRequest
+from adwave._option_rules import literal
 from adwave._part import own_signal, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Path, Shape
@@ -172,6 +174,14 @@ class ColorScale:
     bar: bool = True
 
 
+def _save_picture(call: Call) -> None:
+    """The call without the file's name, which `Picture.save` takes."""
+    is_name = [isinstance(literal(text), str) and "." in text for text in call.arguments]
+    path = call.arguments.pop(is_name.index(True)) if any(is_name) else call.keywords.pop("values", '"picture.png"')
+    call.function, call.arguments = f"{call}.save", [path]
+    call.keywords = {}
+
+
 @public()
 def render(
     shape: object,
@@ -230,6 +240,9 @@ def render(
     part = read_part("render", shape, options, _RENDER, values)
     own = part.shape
     values = own_signal(part.given) if values is None else values
+    if isinstance(values, str) and values.lower().endswith((".png", ".jpg", ".jpeg", ".svg", ".pdf")):
+        line = working_line("render", _save_picture, f"aw.render(shape).save({values!r})")
+        raise ValueError(f"values: {values!r} is a picture's name, and a picture is saved as PNG{line}")
     if values is not None and not isinstance(values, str):
         values = _one_value(values)
         if part.selection is not None:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from adwave._caller import Call, written_call
-from adwave._misfit import complete, known_options, move_surplus
+from adwave._misfit import complete, known_options, move_surplus, name_ball
 from adwave._option_rules import literal, rename_option, wrap_grid
 from adwave._other_names import AS_FUNCTION, BASELINE_OPTIONS, BASELINES, FUNCTION_OF, MEMBER_OF, SIGNALS
 
@@ -34,7 +34,7 @@ def unknown_attribute(name: str) -> str:
         return f"{start}; the diffusion Φ₁ = I − L is a sparse matrix; write aw.Decomposer({shown}).matrix()"
     if name in ("write", "save", "export", "write_mesh", "save_mesh") and call is not None and len(call.arguments) > 1:
         path, shape = sorted(call.arguments[:2], key=lambda text: not _literal_is_text(text))
-        return f"{start}; a shape writes itself; write {shape}.write({path})"
+        return f"{start}; a shape writes itself; write {call.package}as_shape({shape}).write({path})"
     if (
         name in ("reconstruct", "inverse", "synthesize", "idwt", "iswt", "waverec", "waverec2")
         and call is not None
@@ -149,10 +149,17 @@ def _renamed(call: Call, name: str, ours: str) -> Call:
             call.keywords.setdefault("fwhm" if "img" in lower else "sigma", call.arguments.pop(1))
         wrap_grid(call)
         call.function, call.is_method = f"{call.arguments.pop(0)}.{ours}", True
+    if ours == "region":
+        name_ball(call)
     if ours == "simplify":
         _fewer_by_number(call, lower)
     if ours == "sample" and not call.arguments:
-        call.arguments = [repr(lower)]
+        call.arguments = [repr("creature" if lower in FUNCTION_OF else lower)]
+    if lower == "deform":
+        call.arguments, call.keywords = call.arguments[:1], {}
+        call.function, call.is_method = f"{package}Decomposer({call.arguments.pop(0)}).deformer", True
+        call.arguments = ["[0]", "[[1]]"]
+        return call
     _fit(call, ours, [])
     return call
 

@@ -240,7 +240,7 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("features a.ply --levels 2", "at least 3 levels"),
         ("features a.ply --edge-ratio 0.5", "edge ratio"),
         ("features a.ply -o f.obj", "features are written as .ply, .glb"),
-        ("saliency a.ply -o m.obj", ".vtk, .msh, .graphml, .npy, .csv or .gii"),
+        ("saliency a.ply -o m.obj", ".vtk, .msh, .graphml, .fits, .npy, .csv or .gii"),
         ("saliency a.ply -o m.ply --levels 2 --weighting paper", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
         ("saliency a.ply -o m.ply --border -1", "distance from the border is -1"),

@@ -116,7 +116,7 @@ fn what_cannot_be_is_said_in_one_line() {
     for (more, words) in [
         ("--region 'ball:vertex=99999,radius=1'", "vertex 99999"),
         ("--region field:name=heat", "heat"),
-        ("--region all -o mask.obj", ".vtk, .msh, .graphml, .npy, .csv or .gii"),
+        ("--region all -o mask.obj", ".vtk, .msh, .graphml, .fits, .npy, .csv or .gii"),
         ("--region all -o nowhere/mask.ply", "nowhere"),
     ] {
         let error = refused(path, &format!("{SPHERE} {more}"));

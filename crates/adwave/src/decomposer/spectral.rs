@@ -25,8 +25,8 @@ impl Decomposer {
     /// of the unit of lengths.
     pub fn spectral_range(&self) -> f64 {
         match self.operator().semigroup() {
-            // The variance along each axis after one step is that of heat after half of it.
-            Semigroup::Heat { rate } => 2.0 * rate / self.operator().step_length().powi(2),
+            // The mean square of a step in both directions of the surface is four times the time of heat.
+            Semigroup::Heat { rate } => 4.0 * rate / self.operator().step_length().powi(2),
             _ => 2.0,
         }
     }
