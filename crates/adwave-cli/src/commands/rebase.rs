@@ -35,7 +35,7 @@ Examples:
   adwave rebase scan.ply --write-base base.obj            1. write the base
   adwave rebase scan.ply --base bent.obj -o posed.ply     2. base.obj was edited as bent.obj
   adwave rebase scan.ply --write-base base.obj --width 4%     a smoother base: more rides along
-  adwave rebase sculpture.obj --write-base coarse.obj --level 1    a level of subdivision as the base
+  adwave rebase sculpture.obj --write-base coarse.obj --level 1    a coarse level
   adwave rebase sculpture.obj --base coarse.obj --level 1 -o out.obj"
 )]
 pub(crate) struct RebaseArgs {

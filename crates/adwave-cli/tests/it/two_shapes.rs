@@ -106,7 +106,7 @@ fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
         ("match sample:sphere dot.xyz", "no extent"),
         ("diff sample:sphere g.mtx", "no positions"),
         ("diff sample:sphere line.xyz --by vertex", "needs equal numbers of vertices"),
-        ("diff sample:sphere sample:torus -o out.stl", ".vtk, .msh, .graphml or .html"),
+        ("diff sample:sphere sample:torus -o out.stl", ".vtk, .msh, .graphml, .fits or .html"),
         ("diff sample:sphere sample:torus --limit 1e-9", "no vertex of"),
         ("diff line.xyz line.xyz --by vertex --align", "needs points that fix a rotation"),
         ("match sample:sphere sample:torus -o out.txt", ".csv or .json"),

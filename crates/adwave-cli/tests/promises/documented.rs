@@ -15,9 +15,10 @@ use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
 /// Words of commands that cannot run here, with the reason.
-const SKIPPED: [(&str, &str); 8] = [
+const SKIPPED: [(&str, &str); 9] = [
     (".copc.laz", "COPC is not written"),
     (".e57", "E57 is not written"),
+    (".nc ", "NetCDF is not written"),
     ("parallel ", "needs GNU parallel"),
     ("$SLURM", "needs Slurm"),
     ("tiles/ run 2", "small files have one run"),
@@ -317,6 +318,8 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
     let cut = levels();
     write_path(&cut, &at("fsaverage5.gii"), None).unwrap();
     write_path(&quads(), &at("sculpture.obj"), None).unwrap();
+    let map = adwave_io::Format::FITS.samples().next().unwrap().1;
+    fs::write(at("sky.fits"), map).unwrap();
     let sulc = Field::new("value", 1, FieldValues::F64((0..cut.n_vertices()).map(|k| k as f64).collect()));
     adwave_io::write_gifti_fields(&at("sulc5.gii"), &[sulc], structure).unwrap();
     adwave_io::write_gifti_fields(&at("bold.func.gii"), &[field("bold", 3)], structure).unwrap();

@@ -38,8 +38,8 @@ pub(crate) static FITS: FormatDescriptor = FormatDescriptor {
     title: "HEALPix map in FITS",
     extensions: &["fits", "fit", "fts"],
     reads: "binary tables of HEALPix in ring or nested order, of all pixels or of those listed; each column of \
-            integers or floats is a field; UNSEEN is NaN; the places are the centers of pixels on the unit sphere",
-    writes: "all fields as columns, NaN as UNSEEN, of the pixels of the map that was read",
+            integers or floats is a field; UNSEEN is a missing value; the places are the centers of pixels on the unit sphere",
+    writes: "all fields as columns, missing values as UNSEEN, of the pixels of the map that was read",
     keeps: "the header, other tables and pictures, the type of numbers",
     loses: "shapes that are no HEALPix map, moved points; other FITS files are not read",
     holds_fields: true,
