@@ -518,7 +518,7 @@ def filter(
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
     >>> heights = aw.filter(noisy, noisy.points[:, 2], [0, 1, 1])
     """
-    if callable(gains if gains is not None else signal):
+    if callable(gains) or (gains is None and callable(signal)):
         given = {"where": where, "levels": levels, "constraints": constraints, "local_fit": local_fit}
         return _filter_by_kernel(shape, signal, gains, operator, progress, {**given, **options})
     time = options.pop("time", None)
@@ -595,8 +595,7 @@ def _filter_by_kernel(
     def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
         return kernels.apply_polynomials(owner, request.signal, [polynomial], report)[0]
 
-    named = default_signal(part, signal)
-    settings = EditSettings(named or "coords", [1.0], Constraints(), "constant")
+    settings = EditSettings(str(default_signal(part, signal) or "coords"), [1.0], Constraints(), "constant")
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
 

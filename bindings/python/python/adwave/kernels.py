@@ -313,7 +313,7 @@ def fit(kernel: Kernel, largest: float, accuracy: float = ACCURACY) -> _Polynomi
     if not 1e-14 <= accuracy < 1:
         raise ValueError(f"accuracy: it must be at least 1e-14 and less than 1, got {accuracy}")
     at_zero, at_most = gains(kernel, np.array([0.0, largest]))
-    n = 16
+    n, error, scale = 16, 0.0, 1.0
     while n <= MOST_COEFFICIENTS:
         found = _interpolate(kernel, largest, at_zero, n)
         error, scale = _error(kernel, largest, at_zero, found)

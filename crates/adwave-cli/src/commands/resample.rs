@@ -97,7 +97,9 @@ pub(crate) fn run(args: &ResampleArgs, global: &Global<'_>) -> Result<(), CliErr
     }
     let text: String = hemispheres.iter().map(describe).collect();
     let report: Vec<Value> = hemispheres.iter().map(report).collect();
-    print(global, &text, &json!({"hemispheres": report}))
+    let outputs: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
+    let output = if let [one] = &outputs[..] { json!(one) } else { json!(outputs) };
+    print(global, &text, &json!({"hemispheres": report, "output": output}))
 }
 
 /// Refuses lists of other lengths than the number of hemispheres.

@@ -6,7 +6,7 @@ use adwave::shape::Polygons;
 use adwave::{ClassifiedError, ErrorKind, Progress, ProgressCounter};
 use adwave_io::{
     CiftiColumns, Edges, Field, FieldValues, Format, GridLayout, ReadError, ReadLimits, ShapeFile,
-    WriteError, read_bytes_with, read_path, read_path_with, write_bytes, write_bytes_with,
+    WriteError, read_bytes, read_bytes_with, read_path, read_path_with, write_bytes, write_bytes_with,
     write_cifti_fields, write_path_with,
 };
 
@@ -44,6 +44,8 @@ fn brain() -> ShapeFile {
 fn shape_for(format: Format) -> ShapeFile {
     if format.holds_brains() {
         brain()
+    } else if format == Format::FITS {
+        sky()
     } else if format.holds_grids() {
         image()
     } else if format.holds_graphs() {
@@ -51,6 +53,43 @@ fn shape_for(format: Format) -> ShapeFile {
     } else {
         mesh()
     }
+}
+
+/// Map of the sky of 12·64² pixels.
+fn sky() -> ShapeFile {
+    const N_SIDE: usize = 64;
+    let n = 12 * N_SIDE * N_SIDE;
+    let block = |cards: &[String]| {
+        let text: String = cards.iter().map(|card| format!("{card:<80}")).collect::<Vec<_>>().concat();
+        format!("{text:<0$}", text.len().next_multiple_of(2880))
+    };
+    let card = |name: &str, value: &str| format!("{name:<8}= {value:>20}");
+    let text = |name: &str, value: &str| format!("{name:<8}= '{value:<8}'");
+    let number = |name: &str, value: usize| card(name, &value.to_string());
+    let end = || "END".to_owned();
+    let first =
+        block(&[card("SIMPLE", "T"), number("BITPIX", 8), number("NAXIS", 0), card("EXTEND", "T"), end()]);
+    let table = block(&[
+        text("XTENSION", "BINTABLE"),
+        number("BITPIX", 8),
+        number("NAXIS", 2),
+        number("NAXIS1", 4),
+        number("NAXIS2", n),
+        number("PCOUNT", 0),
+        number("GCOUNT", 1),
+        number("TFIELDS", 1),
+        text("TTYPE1", "T"),
+        text("TFORM1", "E"),
+        text("PIXTYPE", "HEALPIX"),
+        text("ORDERING", "RING"),
+        number("NSIDE", N_SIDE),
+        text("INDXSCHM", "IMPLICIT"),
+        end(),
+    ]);
+    let mut bytes = [first, table].concat().into_bytes();
+    bytes.extend((0..n).flat_map(|k| (k as f32).sin().to_be_bytes()));
+    bytes.resize(bytes.len().next_multiple_of(2880), 0);
+    read_bytes(bytes, Some("a.fits"), &ReadLimits::default()).unwrap()
 }
 
 fn writable() -> impl Iterator<Item = Format> {
