@@ -6,8 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 8] = [
     "crates/adwave/src",
+    "crates/adwave-io/src/formats/fits",
     "crates/adwave-graph/src",
     "crates/adwave-baselines/src",
     "crates/adwave-deform/src",

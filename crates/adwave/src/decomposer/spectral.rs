@@ -1,4 +1,5 @@
-//! Functions of the Laplacian: filters and filter banks that are given by their gain at each eigenvalue.
+//! Functions of the Laplacian: filters and filter banks that are given by their gain at each eigenvalue, such as those
+//! of `hammond2011`, `leonardi2013` and `perraudin2014`.
 
 use super::Decomposer;
 use crate::bands::{BandsError, FixedSeries, check_signal};
