@@ -57,12 +57,12 @@ def test_each_kernel_is_that_of_the_eigenvectors_within_its_error() -> None:
     for accuracy in (1e-3, 1e-6):
         result = aw.kernels.apply(walk, f, KERNELS, accuracy=accuracy)
         root = np.sqrt(weights.sum(1))[:, None]
-        for values, error, kernel in zip(result.values, result.errors, KERNELS):
+        for values, error, kernel in zip(result.values, result.errors, KERNELS, strict=True):
             off = np.linalg.norm(root * (values - exact(weights, f, kernel)))
             assert error <= accuracy * 1.2  # the largest gain of these kernels is 1.2 at most
             assert off <= (1.05 * error + 1e-13) * np.linalg.norm(root * f)
         degrees.append(result.degrees)
-    assert all(coarse <= fine for coarse, fine in zip(*degrees)) and max(degrees[1]) > max(degrees[0]) > 3
+    assert all(coarse <= fine for coarse, fine in zip(*degrees, strict=True)) and max(degrees[1]) > max(degrees[0]) > 3
 
 
 def test_filter_takes_a_kernel_for_each_kind_of_input() -> None:

@@ -84,7 +84,7 @@ pub(crate) struct Cover {
 
 impl Cover {
     /// A cover by one face.
-    pub(crate) fn by(face: u32) -> Self {
+    pub(crate) fn single(face: u32) -> Self {
         Self { first: face, others: Vec::new() }
     }
 

@@ -118,7 +118,12 @@ impl<'a> CollapseInput<'a> {
     pub(crate) fn start(&self, n_vertices: usize) -> PartlyCollapsed {
         let faces = self.wedges.triangles.clone();
         let n_covers = if self.limit.is_some() { faces.len() as u32 } else { 0 };
-        PartlyCollapsed { faces, quadrics: None, covers: (0..n_covers).map(Cover::by).collect(), n_vertices }
+        PartlyCollapsed {
+            faces,
+            quadrics: None,
+            covers: (0..n_covers).map(Cover::single).collect(),
+            n_vertices,
+        }
     }
 
     /// Prepares the collapses of the whole mesh. O(faces log faces).
@@ -205,7 +210,7 @@ impl<'a> CollapseInput<'a> {
         let all_known = known.as_ref().map(|known| self.all_quadrics(known));
         let mut covers: Vec<Vec<Cover>> = Vec::with_capacity(parts.len());
         for part in &parts {
-            let take = |t: &u32| std::mem::replace(&mut mesh.covers[*t as usize], Cover::by(NONE));
+            let take = |t: &u32| std::mem::replace(&mut mesh.covers[*t as usize], Cover::single(NONE));
             covers.push(part.original_names.iter().map(take).collect());
         }
         let start = |((part, faces), covers): ((_, _), Vec<Cover>)| {

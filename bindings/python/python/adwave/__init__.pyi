@@ -1,6 +1,7 @@
 # Written by `python tests/test_exports.py` from the list in __init__.py.
 from adwave import baselines as baselines
 from adwave import dask as dask
+from adwave import kernels as kernels
 from adwave import sklearn as sklearn
 from adwave import torch as torch
 from adwave._shape import Shape as Shape
@@ -156,6 +157,7 @@ __all__ = [
     "hierarchy",
     "impute",
     "info",
+    "kernels",
     "match",
     "memory_needed",
     "morph",

@@ -266,7 +266,7 @@ impl Hemisphere {
     }
 
     /// The quantity that is kept, before and after: the mean by area, the sum, the integral, or the number of labels.
-    fn kept(&self) -> [f64; 2] {
+    fn measure_kept(&self) -> [f64; 2] {
         let n = self.signal.n_channels;
         [(&self.signal.values[..], &self.areas[0]), (&self.found.values[..], &self.areas[1])].map(
             |(values, areas)| {
@@ -297,7 +297,7 @@ fn quantity(keep: Keep) -> &'static str {
 }
 
 fn describe(hemisphere: &Hemisphere) -> String {
-    let [before, after] = hemisphere.kept().map(number);
+    let [before, after] = hemisphere.measure_kept().map(number);
     format!(
         "{}: {} → {} vertices, {} {before} → {after}\n",
         hemisphere.values,
@@ -308,7 +308,7 @@ fn describe(hemisphere: &Hemisphere) -> String {
 }
 
 fn report(hemisphere: &Hemisphere) -> Value {
-    let [before, after] = hemisphere.kept();
+    let [before, after] = hemisphere.measure_kept();
     json!({
         "values": hemisphere.values,
         "from": hemisphere.from.name,

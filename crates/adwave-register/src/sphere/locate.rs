@@ -138,13 +138,13 @@ fn face_of(p: &[f64; 3]) -> usize {
 }
 
 /// Coordinate along the axis of a face.
-fn along(p: &[f64; 3], face: usize) -> f64 {
+fn height(p: &[f64; 3], face: usize) -> f64 {
     if face.is_multiple_of(2) { p[face / 2] } else { -p[face / 2] }
 }
 
 /// Central projection onto the plane of a face in front.
 fn project(p: &[f64; 3], face: usize) -> [f64; 2] {
-    let (axis, along) = (face / 2, along(p, face));
+    let (axis, along) = (face / 2, height(p, face));
     [p[(axis + 1) % 3] / along, p[(axis + 2) % 3] / along]
 }
 
@@ -162,7 +162,7 @@ fn add_boxes(sphere: &Sphere, triangle: u32, n_side: usize, boxes: &mut Vec<Cell
     let is_short = dot(a, b) > SHORT && dot(b, c) > SHORT && dot(c, a) > SHORT;
     for face in 0..6 {
         let whole = [0, n_side as u32 - 1];
-        if corners.iter().any(|corner| along(corner, face) <= IN_FRONT) {
+        if corners.iter().any(|corner| height(corner, face) <= IN_FRONT) {
             if !is_short {
                 boxes.push(CellBox { triangle, face: face as u32, rows: whole, columns: whole });
             }

@@ -186,7 +186,7 @@ impl SphereResampler {
         let rows_at_a_time = (VALUES_AT_A_TIME / n_channels).max(1);
         let chunk = |(chunk, rows): (usize, &mut [f64])| {
             progress.check()?;
-            let mut row = Row::default();
+            let mut row = WeightRow::default();
             for (k, target) in rows.chunks_exact_mut(n_channels).enumerate() {
                 let t = chunk * rows_at_a_time + k;
                 match keep {
@@ -269,7 +269,7 @@ impl SphereResampler {
 
 /// Memory that the rows of a thread share.
 #[derive(Default)]
-struct Row {
+struct WeightRow {
     weights: Vec<f64>,
     labels: Vec<(f64, f64)>,
 }
