@@ -2,7 +2,7 @@
 //! of the names that they use. The other commands of the guides run in an empty folder (`pages`).
 
 use crate::cells_file::write_cells_file;
-use crate::fixtures::{levels, quads, tensors};
+use crate::fixtures::{levels, quads, sky, tensors};
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
 use crate::pages::PAGES;
 use crate::wording::wording_faults;
@@ -318,8 +318,7 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
     let cut = levels();
     write_path(&cut, &at("fsaverage5.gii"), None).unwrap();
     write_path(&quads(), &at("sculpture.obj"), None).unwrap();
-    let map = adwave_io::Format::FITS.samples().next().unwrap().1;
-    fs::write(at("sky.fits"), map).unwrap();
+    fs::write(at("sky.fits"), sky()).unwrap();
     let sulc = Field::new("value", 1, FieldValues::F64((0..cut.n_vertices()).map(|k| k as f64).collect()));
     adwave_io::write_gifti_fields(&at("sulc5.gii"), &[sulc], structure).unwrap();
     adwave_io::write_gifti_fields(&at("bold.func.gii"), &[field("bold", 3)], structure).unwrap();

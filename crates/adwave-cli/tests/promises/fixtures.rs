@@ -409,3 +409,36 @@ fn textured() -> String {
     }
     text
 }
+
+/// Map of the sky of 12·16² pixels in FITS.
+pub(crate) fn sky() -> Vec<u8> {
+    const N_SIDE: usize = 16;
+    const N: usize = 12 * N_SIDE * N_SIDE;
+    let block = |cards: &[(&str, &str)]| {
+        let card = |(name, value): &(&str, &str)| format!("{:<80}", format!("{name:<8}= {value:>20}"));
+        let text = cards.iter().map(card).collect::<Vec<_>>().concat() + "END";
+        format!("{text:<0$}", text.len().next_multiple_of(2880))
+    };
+    let [n, n_side] = [N, N_SIDE].map(|n| n.to_string());
+    let first = block(&[("SIMPLE", "T"), ("BITPIX", "8"), ("NAXIS", "0"), ("EXTEND", "T")]);
+    let table = block(&[
+        ("XTENSION", "'BINTABLE'"),
+        ("BITPIX", "8"),
+        ("NAXIS", "2"),
+        ("NAXIS1", "4"),
+        ("NAXIS2", &n),
+        ("PCOUNT", "0"),
+        ("GCOUNT", "1"),
+        ("TFIELDS", "1"),
+        ("TTYPE1", "'TEMPERATURE'"),
+        ("TFORM1", "'E       '"),
+        ("PIXTYPE", "'HEALPIX '"),
+        ("ORDERING", "'RING    '"),
+        ("NSIDE", &n_side),
+    ]);
+    let mut bytes = [first, table].concat().into_bytes();
+    let value = |k: usize| if k < 40 { -1.6375e30 } else { (0.1 * k as f32).sin() };
+    bytes.extend((0..N).flat_map(|k| value(k).to_be_bytes()));
+    bytes.resize(bytes.len().next_multiple_of(2880), 0);
+    bytes
+}
