@@ -19,8 +19,9 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 VALUES are signals of the sphere FROM: files (GIFTI, CIFTI, FreeSurfer's curv, annot, label and MGH,
 NPY, CSV), one for each hemisphere, or one CIFTI for both. Give --from and --to once for each
-hemisphere, in the order of the values; the two spheres of a hemisphere must be in register. OUT is a
-file for each hemisphere (.gii, .npy, .csv, .dscalar.nii, .dtseries.nii), or one CIFTI for both.
+hemisphere, in the order of the values; the two spheres of a hemisphere must be in register.
+OUT is a file for each hemisphere (.gii, .npy, .csv, .dscalar.nii, .dtseries.nii), or one CIFTI for
+both.
 
 Weights are barycentric both ways and corrected by area, as Connectome Workbench's ADAP_BARY_AREA.
 NaN is no value. One connected piece of exact zeros is taken as the medial wall of a field, and does

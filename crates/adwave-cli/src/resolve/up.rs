@@ -39,6 +39,7 @@ impl UpAxis {
             (UpReason::Asked, _) => None,
             (UpReason::Format, Some(Format::GIFTI)) => Some("guessed from the GIFTI"),
             (UpReason::Format, Some(Format::FREESURFER)) => Some("guessed from the FreeSurfer surface"),
+            (UpReason::Format, Some(Format::FITS | Format::NETCDF)) => Some("guessed from the map"),
             (UpReason::Format, _) => Some("guessed from the LAS file"),
             (UpReason::Land, _) => Some("guessed from a shape as low and open as land"),
             (UpReason::Common, _) => Some("as most models have it"),
