@@ -55,7 +55,7 @@ fn shape_for(format: Format) -> ShapeFile {
     }
 }
 
-/// Map of the sky of 12·64² pixels.
+/// Map of the sky of 12·64² pixels, with a field that its file does not have.
 fn sky() -> ShapeFile {
     const N_SIDE: usize = 64;
     let n = 12 * N_SIDE * N_SIDE;
@@ -89,7 +89,10 @@ fn sky() -> ShapeFile {
     let mut bytes = [first, table].concat().into_bytes();
     bytes.extend((0..n).flat_map(|k| (k as f32).sin().to_be_bytes()));
     bytes.resize(bytes.len().next_multiple_of(2880), 0);
-    read_bytes(bytes, Some("a.fits"), &ReadLimits::default()).unwrap()
+    let mut map = read_bytes(bytes, Some("a.fits"), &ReadLimits::default()).unwrap();
+    map.add_vertex_field(Field::new("more", 1, FieldValues::F64((0..n).map(|k| k as f64).collect())))
+        .unwrap();
+    map
 }
 
 fn writable() -> impl Iterator<Item = Format> {
