@@ -81,6 +81,14 @@ def test_filter_takes_a_kernel_for_each_kind_of_input() -> None:
     assert np.allclose(heights, smooth.points[:, 2], atol=1e-12)
 
 
+def test_images_have_the_laplacian_of_their_places() -> None:
+    f = np.cos(2 * np.pi * (np.arange(40) + 0.5) / 40)[:, None] * np.ones((40, 30))
+    eigenvalue = (2 - 2 * np.cos(2 * np.pi / 40)) / 4
+    grid = aw.grid(f, spacing=(2, 2))
+    for found in (aw.filter(grid, aw.kernels.heat(9.0)), aw.filter(grid, f, aw.kernels.heat(9.0))):
+        assert np.allclose(found, np.exp(-9 * eigenvalue) * f, atol=1e-7)
+
+
 def test_a_kernel_of_single_numbers_and_a_constant_gain_will_do() -> None:
     weights, f = random_graph(), RNG.normal(size=60)
     single = aw.filter(weights, f, lambda x: math.exp(-x))

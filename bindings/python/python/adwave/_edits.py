@@ -586,16 +586,17 @@ def _filter_by_kernel(
     unused = [name for name, value in options.items() if value is not None]
     if unused:
         raise ValueError(f"{unused[0]}: it does not apply to a function of the eigenvalues; leave it out")
-    if signal is not None and not isinstance(signal, str):
-        return kernels.apply(shape, signal, kernel, operator=operator, accuracy=accuracy, progress=progress).values[0]
     part = read_part("filter", shape, {}, _FILTER, kernel)
+    named = default_signal(part, signal)
+    if named is not None and not isinstance(named, str):
+        return kernels.apply(shape, named, kernel, operator=operator, accuracy=accuracy, progress=progress).values[0]
     decomposer = prepare_decomposer(part.part, operator, None, analysis=True)
     polynomial = kernels.fit(kernel, _native.spectral_range(decomposer._data), accuracy)
 
     def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
         return kernels.apply_polynomials(owner, request.signal, [polynomial], report)[0]
 
-    settings = EditSettings(str(default_signal(part, signal) or "coords"), [1.0], Constraints(), "constant")
+    settings = EditSettings(named or "coords", [1.0], Constraints(), "constant")
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
 
