@@ -7,7 +7,7 @@ use crate::deviation::{SurfaceView, measure_original, measure_simplified, vertex
 use crate::parts::{CollapseInput, DistanceLimit};
 use crate::proof::ROUNDING;
 use crate::provenance;
-use crate::surface::TriangleSurface;
+use crate::surface::{StartedSurface, TriangleSurface};
 use crate::wedges::{Parts, Wedges, rotate_to_smallest};
 use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::{Mesh, VertexMap, WeldMode};
@@ -379,26 +379,24 @@ impl<'a> SimplifyJob<'a> {
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
-        let collapses = self.collapses(None);
-        let collapse = || -> Result<_, Cancelled> {
-            let mesh = collapses.collapse_in_parts(collapses.start(n_before), Some(n))?;
-            let mut count = mesh.n_vertices;
-            let mut collapser = collapses.collapser(mesh)?;
-            for turning in [Turning::Limited, Turning::Free] {
-                if count > n {
-                    collapser.start(turning, self.progress)?;
-                    count = collapser.run(count, n, f32::INFINITY, &self.wedges.vertex, self.progress)?;
-                }
-            }
-            Ok((count, collapser.connectivity.triangles()))
-        };
         // The search structure is needed for the measurement and for the nearest faces.
-        let (count, (triangles, origins)) = if self.params.is_measured || self.params.has_nearest_faces {
-            let prepare = || self.progress.check().map(|()| self.surface().len());
-            rayon::join(collapse, prepare).0?
-        } else {
-            collapse()?
-        };
+        let (points, triangles) = (&self.wedges.points, &self.wedges.triangles);
+        let is_needed = self.params.is_measured || self.params.has_nearest_faces;
+        let started = if is_needed { StartedSurface::new(points, triangles) } else { None };
+        let collapses = self.collapses(None);
+        let mesh = collapses.collapse_in_parts(collapses.start(n_before), Some(n))?;
+        let mut count = mesh.n_vertices;
+        let mut collapser = collapses.collapser(mesh)?;
+        for turning in [Turning::Limited, Turning::Free] {
+            if count > n {
+                collapser.start(turning, self.progress)?;
+                count = collapser.run(count, n, f32::INFINITY, &self.wedges.vertex, self.progress)?;
+            }
+        }
+        if let Some(surface) = started.and_then(|started| started.finish(points, triangles)) {
+            self.surface.get_or_init(|| surface);
+        }
+        let (triangles, origins) = collapser.connectivity.triangles();
         let why = if count > n { Why::Stuck } else { Why::Reached };
         Ok((Candidate { triangles, origins, deviation: None, within: None }, why))
     }

@@ -4,6 +4,7 @@ use crate::geometry::{Point, nearest_weights, squared_distance};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use std::thread::{Builder, JoinHandle};
 
 /// Triangles among which the nearest to a point can be found.
 pub(crate) trait TriangleSearch {
@@ -68,20 +69,51 @@ pub(crate) struct TriangleSurface {
     bvh: Bvh,
 }
 
+/// Surface whose hierarchy is being built by a thread of its own. The library cannot be stopped; a caller that stops
+/// drops this and leaves the thread behind, which ends when the hierarchy is done.
+pub(crate) struct StartedSurface(JoinHandle<(Vec<[Point; 3]>, Bvh)>);
+
+impl StartedSurface {
+    /// Starts to build the hierarchy; `None` without triangles, or without a thread.
+    pub(crate) fn new(points: &[Point], triangles: &[[u32; 3]]) -> Option<Self> {
+        let corners = corners_of(points, triangles);
+        let build = move || {
+            let bvh = build_hierarchy(&corners);
+            (corners, bvh)
+        };
+        (!triangles.is_empty()).then(|| Builder::new().spawn(build).ok().map(Self)).flatten()
+    }
+
+    /// The surface of the same points and triangles; `None` if the thread panicked.
+    pub(crate) fn finish(self, points: &[Point], triangles: &[[u32; 3]]) -> Option<TriangleSurface> {
+        let neighbors = neighbors_of(points.len(), triangles);
+        let (corners, bvh) = self.0.join().ok()?;
+        Some(TriangleSurface { corners, neighbors, bvh })
+    }
+}
+
+fn corners_of(points: &[Point], triangles: &[[u32; 3]]) -> Vec<[Point; 3]> {
+    triangles.iter().map(|t| t.map(|x| points[x as usize])).collect()
+}
+
+fn build_hierarchy(corners: &[[Point; 3]]) -> Bvh {
+    let bounds = |triangle: &[Point; 3]| {
+        let fold = |pick: fn(f64, f64) -> f64| -> Point {
+            std::array::from_fn(|c| pick(pick(triangle[0][c], triangle[1][c]), triangle[2][c]))
+        };
+        Aabb::new(Vector::from(fold(f64::min)), Vector::from(fold(f64::max)))
+    };
+    Bvh::from_iter(BvhBuildStrategy::Binned, corners.iter().map(bounds).enumerate())
+}
+
 impl TriangleSurface {
     /// Builds the hierarchy in O(triangles log triangles); `None` without triangles.
     pub(crate) fn new(points: &[Point], triangles: &[[u32; 3]]) -> Option<Self> {
         if triangles.is_empty() {
             return None;
         }
-        let corners: Vec<[Point; 3]> = triangles.iter().map(|t| t.map(|x| points[x as usize])).collect();
-        let bounds = |triangle: &[Point; 3]| {
-            let fold = |pick: fn(f64, f64) -> f64| -> Point {
-                std::array::from_fn(|c| pick(pick(triangle[0][c], triangle[1][c]), triangle[2][c]))
-            };
-            Aabb::new(Vector::from(fold(f64::min)), Vector::from(fold(f64::max)))
-        };
-        let build = || Bvh::from_iter(BvhBuildStrategy::Binned, corners.iter().map(bounds).enumerate());
+        let corners = corners_of(points, triangles);
+        let build = || build_hierarchy(&corners);
         let (bvh, neighbors) = rayon::join(build, || neighbors_of(points.len(), triangles));
         Some(Self { corners, neighbors, bvh })
     }

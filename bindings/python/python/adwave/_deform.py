@@ -101,6 +101,13 @@ class Crossing(NamedTuple):
         Its middle in model units.
     n_pairs : int
         Number of pairs of triangles that pierce each other.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> import numpy as np
+    >>> aw.Crossing(7, np.zeros(3), 4).n_pairs
+    4
     """
 
     vertex: int

@@ -61,6 +61,14 @@ class KernelResult:
     errors : list of float
         The largest error of the gain of each kernel, measured at four points for each coefficient. The result differs
         from the exact one by at most as much, relative to the signal, in the norm in which L is symmetric.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> sphere = aw.sample("sphere", vertices=500)
+    >>> result = aw.kernels.apply(sphere, "z", [aw.kernels.heat(0.1), aw.kernels.heat(0.2)])
+    >>> result.values.shape, max(result.errors) < 1e-8
+    ((2, 500), True)
     """
 
     values: NDArray[Any]
