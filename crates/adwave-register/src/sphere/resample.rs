@@ -37,7 +37,7 @@ named_values!(Keep, "keep", {
 /// Meaning of exact zeros in a field of which means are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Zeros {
-    /// A connected piece of zeros is the medial wall ([`find_medial_wall`]), which has no values.
+    /// A connected piece of zeros is the medial wall, which has no values.
     #[default]
     Wall,
     /// Zeros are values.
