@@ -55,6 +55,8 @@ REFERENCE = {
     "_detail": "Transfer and morph",
     "_register": "Match, measure distances, simplify",
     "_hierarchy": "Levels of subdivision",
+    "_resample": "Fields between registered spheres",
+    "_parcels": "Parcels as signals",
     "_walk": "Walks on graphs and points",
     "_grid": "Images and volumes",
     "_raster": "Scans as grids",
@@ -72,6 +74,7 @@ REFERENCE = {
 }
 #: Title of the reference page of each public module.
 MODULES = {
+    "kernels": "Functions of the Laplacian (adwave.kernels)",
     "baselines": "Other methods (adwave.baselines)",
     "sklearn": "scikit-learn (adwave.sklearn)",
     "torch": "PyTorch (adwave.torch)",
