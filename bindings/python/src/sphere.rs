@@ -57,7 +57,7 @@ impl SphereData {
         arrays::vector(py, self.sphere.areas().to_vec()).into_any()
     }
 
-    /// What was assumed about the sphere.
+    /// Assumptions about the sphere, in words.
     fn remarks(&self) -> Vec<String> {
         self.sphere.remarks()
     }

@@ -299,6 +299,22 @@ impl<'a> SimplifyJob<'a> {
         })
     }
 
+    /// Starts to build the search structure of the original.
+    fn start_surface(&self) -> Option<StartedSurface> {
+        StartedSurface::new(&self.wedges.points, &self.wedges.triangles)
+    }
+
+    /// Waits for the search structure. Without one it is built where it is needed.
+    fn finish_surface(&self, started: Option<StartedSurface>) -> Result<(), Cancelled> {
+        if let Some(started) = started
+            && let Some(surface) =
+                started.finish(&self.wedges.points, &self.wedges.triangles, self.progress)?
+        {
+            self.surface.get_or_init(|| surface);
+        }
+        Ok(())
+    }
+
     /// Input of collapses, within a limit in units of the unit box if there is one.
     fn collapses(&self, limit: Option<f64>) -> CollapseInput<'_> {
         CollapseInput {
@@ -338,6 +354,7 @@ impl<'a> SimplifyJob<'a> {
     /// Simplifies to few vertices within a distance, in units of the unit box.
     fn simplify_to_error(&self, error: f64, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
+        self.finish_surface(self.start_surface())?;
         let collapses = self.collapses(Some(limit));
         let mesh = collapses.collapse_in_parts(collapses.start(n_before), None)?;
         let mut count = mesh.n_vertices;
@@ -380,9 +397,8 @@ impl<'a> SimplifyJob<'a> {
             return Ok((self.unchanged(), Why::Unchanged));
         }
         // The search structure is needed for the measurement and for the nearest faces.
-        let (points, triangles) = (&self.wedges.points, &self.wedges.triangles);
         let is_needed = self.params.is_measured || self.params.has_nearest_faces;
-        let started = if is_needed { StartedSurface::new(points, triangles) } else { None };
+        let started = if is_needed { self.start_surface() } else { None };
         let collapses = self.collapses(None);
         let mesh = collapses.collapse_in_parts(collapses.start(n_before), Some(n))?;
         let mut count = mesh.n_vertices;
@@ -393,9 +409,7 @@ impl<'a> SimplifyJob<'a> {
                 count = collapser.run(count, n, f32::INFINITY, &self.wedges.vertex, self.progress)?;
             }
         }
-        if let Some(surface) = started.and_then(|started| started.finish(points, triangles)) {
-            self.surface.get_or_init(|| surface);
-        }
+        self.finish_surface(started)?;
         let (triangles, origins) = collapser.connectivity.triangles();
         let why = if count > n { Why::Stuck } else { Why::Reached };
         Ok((Candidate { triangles, origins, deviation: None, within: None }, why))

@@ -1,10 +1,12 @@
 //! Bounding volume hierarchy of triangles, for the triangle nearest to a point.
 
 use crate::geometry::{Point, nearest_weights, squared_distance};
+use adwave::{Cancelled, Progress};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
 
 /// Triangles among which the nearest to a point can be found.
 pub(crate) trait TriangleSearch {
@@ -69,6 +71,9 @@ pub(crate) struct TriangleSurface {
     bvh: Bvh,
 }
 
+/// Time between two looks at whether the work is cancelled or done.
+const BETWEEN_CHECKS: Duration = Duration::from_millis(1);
+
 /// Surface whose hierarchy is being built by a thread of its own. The library cannot be stopped; a caller that stops
 /// drops this and leaves the thread behind, which ends when the hierarchy is done.
 pub(crate) struct StartedSurface(JoinHandle<(Vec<[Point; 3]>, Bvh)>);
@@ -84,11 +89,21 @@ impl StartedSurface {
         (!triangles.is_empty()).then(|| Builder::new().spawn(build).ok().map(Self)).flatten()
     }
 
-    /// The surface of the same points and triangles; `None` if the thread panicked.
-    pub(crate) fn finish(self, points: &[Point], triangles: &[[u32; 3]]) -> Option<TriangleSurface> {
+    /// Waits for the surface, of the same points and triangles; `None` if the thread panicked.
+    pub(crate) fn finish(
+        self,
+        points: &[Point],
+        triangles: &[[u32; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Option<TriangleSurface>, Cancelled> {
+        progress.check()?;
         let neighbors = neighbors_of(points.len(), triangles);
-        let (corners, bvh) = self.0.join().ok()?;
-        Some(TriangleSurface { corners, neighbors, bvh })
+        while !self.0.is_finished() {
+            progress.check()?;
+            std::thread::sleep(BETWEEN_CHECKS);
+        }
+        let built = self.0.join().ok();
+        Ok(built.map(|(corners, bvh)| TriangleSurface { corners, neighbors, bvh }))
     }
 }
 

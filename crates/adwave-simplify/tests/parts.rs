@@ -1,11 +1,14 @@
 //! Meshes that are simplified in parts: what holds for small ones holds for them, on any number of threads.
 
+mod common;
+
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons};
 use adwave_simplify::{
     Border, MeshParams, MeshTarget, SimplifiedMesh, Triangles, Why, simplify_mesh, surface_distance,
 };
-use std::collections::{BTreeMap, BTreeSet};
+use common::{edges, euler_characteristic};
+use std::collections::BTreeSet;
 
 /// Number of squares along a side, with more vertices than meshes have that one queue simplifies.
 const LARGE: u32 = 366;
@@ -43,23 +46,6 @@ fn torus(n: u32) -> Mesh {
 
 fn simplify(mesh: &Mesh, labels: Option<&[u32]>, params: MeshParams) -> SimplifiedMesh {
     simplify_mesh(mesh, labels, &params.with_measure(false), Progress::none()).unwrap()
-}
-
-/// Number of faces of each edge.
-fn edges(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 2], usize> {
-    let mut edges = BTreeMap::new();
-    for &[a, b, c] in triangles {
-        for [x, y] in [[a, b], [b, c], [c, a]] {
-            *edges.entry([x.min(y), x.max(y)]).or_insert(0) += 1;
-        }
-    }
-    edges
-}
-
-/// Vertices less edges plus faces.
-fn euler_characteristic(triangles: &[[u32; 3]]) -> i64 {
-    let vertices: BTreeSet<u32> = triangles.iter().flatten().copied().collect();
-    vertices.len() as i64 - edges(triangles).len() as i64 + triangles.len() as i64
 }
 
 /// Largest distances from the original to the simplified mesh and back.

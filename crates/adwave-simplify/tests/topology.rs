@@ -1,5 +1,7 @@
 //! Parts, holes, handles, seams and colors, which a simplification keeps.
 
+mod common;
+
 use adwave::Progress;
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons};
@@ -7,27 +9,11 @@ use adwave_simplify::{
     Appearance, AppearanceValues, MeshParams, MeshTarget, SimplifiedMesh, Why, simplify_mesh,
     simplify_mesh_with_appearance,
 };
+use common::{edges, euler_characteristic};
 use std::collections::{BTreeMap, BTreeSet};
 
 fn simplify(mesh: &Mesh, target: MeshTarget) -> SimplifiedMesh {
     simplify_mesh(mesh, None, &MeshParams::new(target), Progress::none()).unwrap()
-}
-
-/// Number of faces of each edge.
-fn edges(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 2], usize> {
-    let mut edges = BTreeMap::new();
-    for &[a, b, c] in triangles {
-        for [x, y] in [[a, b], [b, c], [c, a]] {
-            *edges.entry([x.min(y), x.max(y)]).or_insert(0) += 1;
-        }
-    }
-    edges
-}
-
-/// Vertices less edges plus faces.
-fn euler_characteristic(triangles: &[[u32; 3]]) -> i64 {
-    let vertices: BTreeSet<u32> = triangles.iter().flatten().copied().collect();
-    vertices.len() as i64 - edges(triangles).len() as i64 + triangles.len() as i64
 }
 
 fn count_parts(triangles: &[[u32; 3]]) -> usize {

@@ -1,4 +1,4 @@
-//! How well positions agree with a step of subdivision: those of the coarse mesh, and the distance of the new vertices
+//! Agreement of positions with a step of subdivision: those of the coarse mesh, and the distance of the new vertices
 //! from their predictions.
 
 use crate::coarsening::Coarsening;

@@ -34,7 +34,7 @@ const QUICK: Attempt = Attempt { contact: 1.0, longest_step: 2.0 };
 /// Next attempts, if triangles cross after the first one.
 const CAREFUL: Attempt = Attempt { contact: 8.0, longest_step: 0.5 };
 
-/// How hard vertices push each other apart and how far they move.
+/// Strength with which vertices push each other apart, and the distance that they move.
 #[derive(Clone, Copy)]
 struct Attempt {
     /// Weight of a contact in that of a mean edge.
