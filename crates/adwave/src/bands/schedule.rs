@@ -27,7 +27,11 @@ pub enum ScheduleError {
     #[error("a schedule needs at least one level")]
     NoLevels,
     /// The number of steps of a level is below [`MIN_STEPS`] or not a number.
-    #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", format_number(*.steps))]
+    #[error(
+        "level {level} has {} steps; a level must have a finite number of them, at least {MIN_STEPS}, or the width of an \
+         eighth of a step; take a wider level, or a finer shape",
+        format_number(*.steps)
+    )]
     NoSteps {
         /// The level, from 1.
         level: usize,
