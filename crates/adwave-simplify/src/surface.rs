@@ -1,12 +1,10 @@
 //! Bounding volume hierarchy of triangles, for the triangle nearest to a point.
 
 use crate::geometry::{Point, nearest_weights, squared_distance};
-use adwave::{Cancelled, Progress};
+use adwave::{BackgroundWork, Cancelled, Progress};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
-use std::thread::{Builder, JoinHandle};
-use std::time::Duration;
 
 /// Triangles among which the nearest to a point can be found.
 pub(crate) trait TriangleSearch {
@@ -71,12 +69,9 @@ pub(crate) struct TriangleSurface {
     bvh: Bvh,
 }
 
-/// Time between two looks at whether the work is cancelled or done.
-const BETWEEN_CHECKS: Duration = Duration::from_millis(1);
-
 /// Surface whose hierarchy is being built by a thread of its own. The library cannot be stopped; a caller that stops
 /// drops this and leaves the thread behind, which ends when the hierarchy is done.
-pub(crate) struct StartedSurface(JoinHandle<(Vec<[Point; 3]>, Bvh)>);
+pub(crate) struct StartedSurface(BackgroundWork<(Vec<[Point; 3]>, Bvh)>);
 
 impl StartedSurface {
     /// Starts to build the hierarchy; `None` without triangles, or without a thread.
@@ -86,7 +81,7 @@ impl StartedSurface {
             let bvh = build_hierarchy(&corners);
             (corners, bvh)
         };
-        (!triangles.is_empty()).then(|| Builder::new().spawn(build).ok().map(Self)).flatten()
+        (!triangles.is_empty()).then(|| BackgroundWork::start(build).map(Self)).flatten()
     }
 
     /// Waits for the surface, of the same points and triangles; `None` if the thread panicked.
@@ -98,11 +93,7 @@ impl StartedSurface {
     ) -> Result<Option<TriangleSurface>, Cancelled> {
         progress.check()?;
         let neighbors = neighbors_of(points.len(), triangles);
-        while !self.0.is_finished() {
-            progress.check()?;
-            std::thread::sleep(BETWEEN_CHECKS);
-        }
-        let built = self.0.join().ok();
+        let built = self.0.finish(progress)?;
         Ok(built.map(|(corners, bvh)| TriangleSurface { corners, neighbors, bvh }))
     }
 }

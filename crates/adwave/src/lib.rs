@@ -94,4 +94,4 @@ pub use decomposer::{
 pub use editor::{ChangedVertices, EditBits, Editor, MANY_CHANNELS};
 pub use error::{ClassifiedError, ErrorKind};
 pub use named::{NamedEntry, NamedValue, UnknownName};
-pub use progress::{Cancelled, Progress, ProgressCounter};
+pub use progress::{BackgroundWork, Cancelled, Progress, ProgressCounter};

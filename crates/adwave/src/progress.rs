@@ -2,6 +2,8 @@
 
 use crate::{ClassifiedError, ErrorKind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
 use thiserror::Error;
 
 /// The call was cancelled; it has no result.
@@ -119,5 +121,48 @@ impl std::fmt::Debug for Progress<'_> {
             .field("counter", &self.counter)
             .field("cancel", &self.cancel)
             .finish()
+    }
+}
+
+/// Time between two checks for cancellation during work on another thread.
+const BETWEEN_CHECKS: Duration = Duration::from_millis(5);
+
+/// Work on a thread of its own, for library calls that cannot be stopped: a caller that is cancelled leaves it behind, and
+/// it ends when it is done.
+///
+/// ```
+/// use adwave::{BackgroundWork, Cancelled, Progress};
+/// use std::sync::atomic::AtomicBool;
+/// let sum = BackgroundWork::start(|| (1..=10).sum::<i32>()).unwrap();
+/// assert_eq!(sum.finish(Progress::none()), Ok(Some(55)));
+/// let long = BackgroundWork::start(|| std::thread::sleep(std::time::Duration::from_secs(60))).unwrap();
+/// let stop = AtomicBool::new(true);
+/// assert_eq!(long.finish(Progress::none().with_cancel(&stop)), Err(Cancelled));
+/// ```
+#[derive(Debug)]
+pub struct BackgroundWork<T>(Receiver<T>);
+
+impl<T: Send + 'static> BackgroundWork<T> {
+    /// Starts the work; `None` if the system has no thread for it.
+    pub fn start(work: impl FnOnce() -> T + Send + 'static) -> Option<Self> {
+        let (sender, receiver) = channel();
+        // The caller may have left.
+        let started = std::thread::Builder::new().spawn(move || drop(sender.send(work())));
+        started.is_ok().then_some(Self(receiver))
+    }
+
+    /// Waits for the result; `None` if the work panicked.
+    ///
+    /// # Errors
+    /// [`Cancelled`], within milliseconds.
+    pub fn finish(self, progress: Progress<'_>) -> Result<Option<T>, Cancelled> {
+        loop {
+            progress.check()?;
+            match self.0.recv_timeout(BETWEEN_CHECKS) {
+                Ok(result) => return Ok(Some(result)),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
+            }
+        }
     }
 }

@@ -19,7 +19,7 @@ impl Deformer {
         } else {
             let n = self.base.points.len();
             let is_free = (0..n).map(|x| self.moves_freely(x)).collect();
-            LengthSolver::new(&self.decomposer, is_free, self.keep_lengths)?
+            LengthSolver::new(&self.decomposer, is_free, self.keep_lengths, progress)?
         };
         let found = self.solve_lengths_with(&solver, progress);
         self.length_solver = Some(solver);

@@ -10,8 +10,8 @@ mod energy;
 use crate::DeformError;
 use crate::crossings::crossing_pairs;
 use adwave::vector::{Vector, dot, norm, subtract};
-use adwave::{Decomposer, Progress};
-use adwave_baselines::linalg::{Ldlt, SymmetricMatrix};
+use adwave::{BackgroundWork, Decomposer, Progress};
+use adwave_baselines::linalg::{Ldlt, LinalgError, SymmetricMatrix};
 use contacts::{Contacts, MARGIN, kept_distances};
 use energy::{LengthEnergy, LengthState};
 use std::collections::VecDeque;
@@ -91,9 +91,25 @@ impl KeptLengths {
     }
 }
 
+/// Factorizes a matrix. The library cannot be stopped, so that it works on a thread of its own.
+fn factorize(matrix: SymmetricMatrix, progress: Progress<'_>) -> Result<Ldlt, DeformError> {
+    let failed = || DeformError::Singular("the thread that factorizes ended early".to_owned());
+    let work = BackgroundWork::start(move || Ldlt::new(&matrix, 0.0)).ok_or_else(failed)?;
+    work.finish(progress)?.ok_or_else(failed)?.map_err(singular)
+}
+
+fn singular(error: LinalgError) -> DeformError {
+    DeformError::Singular(error.to_string())
+}
+
 impl LengthSolver {
     /// Factorizes the Laplacian of the free vertices. `share` is in (0, 1].
-    pub(crate) fn new(decomposer: &Decomposer, is_free: Vec<bool>, share: f64) -> Result<Self, DeformError> {
+    pub(crate) fn new(
+        decomposer: &Decomposer,
+        is_free: Vec<bool>,
+        share: f64,
+        progress: Progress<'_>,
+    ) -> Result<Self, DeformError> {
         let rest = decomposer.positions().to_vec();
         let mut number = vec![u32::MAX; rest.len()];
         let mut n_free = 0;
@@ -114,9 +130,8 @@ impl LengthSolver {
                 entries.push((row, number[y], -w * energy.curvature()));
             }
         }
-        let singular = |e: adwave_baselines::linalg::LinalgError| DeformError::Singular(e.to_string());
         let matrix = SymmetricMatrix::from_halves(n_free as usize, &entries).map_err(singular)?;
-        let factor = (n_free > 0).then(|| Ldlt::new(&matrix, 0.0)).transpose().map_err(singular)?;
+        let factor = (n_free > 0).then(|| factorize(matrix, progress)).transpose()?;
         Ok(Self { energy, rest, kept, number, factor })
     }
 

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, TryLockError, mpsc};
+use std::sync::{Mutex, TryLockError};
 use std::time::Duration;
 
-use adwave::Progress;
+use adwave::{BackgroundWork, Progress};
 
 use crate::WriteError;
 
@@ -55,8 +55,6 @@ impl Drop for TemporaryEntry {
 
 /// Size above which a file is flushed by a separate thread, so that the wait can be cancelled; a system call cannot.
 const WAITED_FOR: u64 = 1 << 23;
-/// Time between two checks for cancellation.
-const PATIENCE: Duration = Duration::from_millis(10);
 
 /// Flushes the file to the disk and closes it.
 fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
@@ -64,22 +62,15 @@ fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
     if file.metadata()?.len() < WAITED_FOR {
         return Ok(file.sync_all()?);
     }
-    let (sender, receiver) = mpsc::channel();
-    std::thread::Builder::new().spawn(move || {
+    let flush = move || {
         let flushed = file.sync_all();
         drop(file);
-        // The caller may have cancelled during the wait.
-        let _ = sender.send(flushed);
-    })?;
-    loop {
-        match receiver.recv_timeout(PATIENCE) {
-            Ok(flushed) => return Ok(flushed?),
-            Err(mpsc::RecvTimeoutError::Timeout) => progress.check()?,
-            Err(mpsc::RecvTimeoutError::Disconnected) => {
-                return Err(io::Error::other("the thread that flushes the file ended early").into());
-            }
-        }
-    }
+        flushed
+    };
+    let failed = |why| WriteError::from(io::Error::other(why));
+    let started = BackgroundWork::start(flush).ok_or_else(|| failed("no thread can be started"))?;
+    let flushed = started.finish(progress)?;
+    Ok(flushed.ok_or_else(|| failed("the thread that flushes the file ended early"))??)
 }
 
 /// Writes a file atomically: into a temporary file in the same folder, flushed to the disk and renamed. An existing
