@@ -1,6 +1,7 @@
 //! The bands of a signal, in the order of the shape.
 
 use super::{BandsError, BandsInfo};
+use crate::operator::RowWeights;
 use crate::parallel;
 use std::borrow::Cow;
 
@@ -159,6 +160,15 @@ impl Bands {
         self.coefficients.chunks_exact_mut(len).for_each(treat);
     }
 
+    /// Calls `treat(level, band)` in turn, with levels counted from 0, up to its first error.
+    pub(crate) fn try_visit_levels<E>(
+        &mut self,
+        mut treat: impl FnMut(usize, &mut [f64]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let len = self.len();
+        self.coefficients.chunks_exact_mut(len).enumerate().try_for_each(|(level, band)| treat(level, band))
+    }
+
     /// Gradient `⟨W_f(j), ḡ⟩` of a function of `f + Σ_j (g_j − 1)·W_f(j)` with respect to the gains g_j, j = 1 … J,
     /// from its gradient ḡ with respect to that signal (n_vertices × n_channels).
     ///
@@ -181,24 +191,8 @@ impl Bands {
     /// # Errors
     /// [`BandsError::WrongNumber`] unless there is one weight per vertex.
     pub fn energy(&self, weights: &[f64]) -> Result<Vec<f64>, BandsError> {
-        let (n_given, expected) = (weights.len(), self.n_vertices);
-        if n_given != expected {
-            return Err(BandsError::WrongNumber { what: "weights of the vertices", n_given, expected });
-        }
-        let total = parallel::sum(weights.len(), |x| weights[x]);
-        let weight = |x: usize| if total > 0.0 { weights[x] / total } else { 1.0 / self.n_vertices as f64 };
-        let energy = self
-            .wavelets()
-            .map(|band| {
-                parallel::sum(self.n_vertices, |x| {
-                    let row = &band[x * self.n_channels..][..self.n_channels];
-                    // Masked vertices have area 0 and NaN in the bands.
-                    let square = || row.iter().map(|w| w * w).sum::<f64>();
-                    if weight(x) == 0.0 { 0.0 } else { weight(x) * square() }
-                })
-            })
-            .collect();
-        Ok(energy)
+        let weights = RowWeights::Each(weights);
+        self.wavelets().map(|band| mean_square(band, self.n_channels, weights)).collect()
     }
 
     /// Shares of W_f(1), …, W_f(J), S_f(J) in the variance of the signal, J + 1 numbers that sum to 1:
@@ -257,6 +251,38 @@ impl Bands {
         let scale = if variance > 0.0 { 1.0 / variance } else { 0.0 };
         Ok(shares.into_iter().map(|share| share * scale).collect())
     }
+}
+
+/// Mean square `Σ_x μ(x)‖W(x)‖² / Σ_x μ(x)` of a band, n_vertices × n_channels, for vertex weights μ ≥ 0, as
+/// [`Bands::energy`] has them. Where the weight is 0 the band may be NaN.
+///
+/// # Errors
+/// [`BandsError::WrongNumber`] unless there is one weight per vertex.
+///
+/// ```
+/// use adwave::{bands::mean_square, operator::RowWeights};
+/// let band = [1.0, 2.0, 0.0, 3.0]; // two channels of two vertices
+/// assert_eq!(mean_square(&band, 2, RowWeights::Each(&[3.0, 1.0]))?, (3.0 * 5.0 + 9.0) / 4.0);
+/// assert_eq!(mean_square(&band, 2, RowWeights::Uniform)?, (5.0 + 9.0) / 2.0);
+/// # Ok::<(), adwave::bands::BandsError>(())
+/// ```
+pub fn mean_square(band: &[f64], n_channels: usize, weights: RowWeights<'_>) -> Result<f64, BandsError> {
+    let expected = band.len() / n_channels.max(1);
+    let total = match weights {
+        RowWeights::Uniform => 1.0,
+        RowWeights::Each(weights) if weights.len() != expected => {
+            let n_given = weights.len();
+            return Err(BandsError::WrongNumber { what: "weights of the vertices", n_given, expected });
+        }
+        RowWeights::Each(weights) => parallel::sum(expected, |x| weights[x]),
+    };
+    let weight =
+        |x: usize| if total > 0.0 { weights.weight(x, expected) / total } else { 1.0 / expected as f64 };
+    Ok(parallel::sum(expected, |x| {
+        let square = || band[x * n_channels..][..n_channels].iter().map(|w| w * w).sum::<f64>();
+        // Masked vertices have area 0 and NaN in the bands.
+        if weight(x) == 0.0 { 0.0 } else { weight(x) * square() }
+    }))
 }
 
 /// Computes `sum += band`.

@@ -11,7 +11,7 @@ use super::{BandsError, FINEST_ACCURACY, Schedule, Transform};
 use crate::operator::{Invariant, Leap, RowWeights};
 use crate::pages::zeros;
 use crate::sparse::SignalView;
-use crate::{Progress, parallel};
+use crate::{Cancelled, Progress, parallel};
 
 /// Accuracy of a leap relative to the requested accuracy of the bands, or to what a band that missed it needs.
 const MARGIN: f64 = 0.1;
@@ -25,7 +25,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 impl Transform {
     /// Leaps from level to level, and again with finer leaps until every band keeps to the accuracy. S_f(j), counted from 0,
     /// is in the vector j modulo their number. `each(level, S_f(j − 1), S_f(j))` returns the norms of the band and of
-    /// S_f(j), and may change S_f(j − 1).
+    /// S_f(j), or ends the leaps, and may change S_f(j − 1).
     fn leap_bands(
         &self,
         leap: &dyn Leap,
@@ -33,7 +33,7 @@ impl Transform {
         schedule: &Schedule,
         vectors: &mut [&mut [f64]],
         progress: Progress<'_>,
-        mut each: impl FnMut(usize, &mut [f64], &[f64]) -> [f64; 2],
+        mut each: impl FnMut(usize, &mut [f64], &[f64]) -> Result<[f64; 2], Cancelled>,
     ) -> Result<EvaluationInfo, BandsError> {
         let (operator, accuracy) = (self.operator(), self.params().accuracy);
         let n_channels = signal.n_channels;
@@ -60,7 +60,7 @@ impl Transform {
                 n_leaps += 1;
                 largest_bound = largest_bound.max(bound);
                 error = before + bound * size;
-                let [band, coarser] = each(level, now, next);
+                let [band, coarser] = each(level, now, next)?;
                 let off = before + error + ROUNDING * size;
                 let relative = if off > 0.0 && band > 0.0 { off / band } else { 0.0 };
                 if relative > accuracy {
@@ -84,24 +84,46 @@ impl Transform {
         Err(BandsError::Missed { level, accuracy, reached })
     }
 
-    /// Bands of all levels by leaps, which go through the vectors of the bands and one more.
+    /// Bands of all levels by leaps, which go through the vectors of the bands and one more, `spare` if it is given.
     pub(super) fn wavelets_by_leaps(
         &self,
         leap: &dyn Leap,
         signal: SignalView<'_>,
         schedule: &Schedule,
         wavelets: &mut [&mut [f64]],
+        spare: Option<&mut [f64]>,
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
         let measure = RowNorm { n_channels: signal.n_channels, weights: self.operator().weights() };
-        let mut last = zeros(signal.values.len());
+        let mut own = Vec::new();
+        let last = spare.unwrap_or_else(|| {
+            own = zeros(signal.values.len());
+            &mut own
+        });
         let mut vectors: Vec<&mut [f64]> = wavelets.iter_mut().map(|wavelet| &mut **wavelet).collect();
-        vectors.push(&mut last);
+        vectors.push(last);
         self.leap_bands(leap, signal, schedule, &mut vectors, progress, |_, finer, coarser| {
-            measure.visit_band(finer, &[], coarser, |band, _, coarser| {
-                *band -= coarser; // W_f(j) = S_f(j−1) − S_f(j) (eq. 11)
-                *band
-            })
+            Ok(measure.subtract_coarser(finer, coarser))
+        })
+    }
+
+    /// Calls `visit(level, W_f(j))` with the bands of all levels, counted from 0, which share two vectors. If the leaps are
+    /// repeated, they come again from the first one.
+    pub(super) fn visit_bands_by_leaps(
+        &self,
+        leap: &dyn Leap,
+        signal: SignalView<'_>,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+        mut visit: impl FnMut(usize, &mut [f64]) -> Result<(), Cancelled>,
+    ) -> Result<EvaluationInfo, BandsError> {
+        let measure = RowNorm { n_channels: signal.n_channels, weights: self.operator().weights() };
+        let (mut now, mut next) = (zeros(signal.values.len()), zeros(signal.values.len()));
+        let vectors: &mut [&mut [f64]] = &mut [&mut now, &mut next];
+        self.leap_bands(leap, signal, schedule, vectors, progress, |level, finer, coarser| {
+            let norms = measure.subtract_coarser(finer, coarser);
+            visit(level, finer)?;
+            Ok(norms)
         })
     }
 
@@ -120,22 +142,22 @@ impl Transform {
             // The only band takes the place of the signal that it is the first leap from.
             let vectors: &mut [&mut [f64]] = &mut [out, &mut zeros(signal.values.len())];
             return self.leap_bands(leap, signal, schedule, vectors, progress, |_, finer, coarser| {
-                measure.visit_band(finer, &[], coarser, |sum, _, coarser| {
+                Ok(measure.visit_band(finer, &[], coarser, |sum, _, coarser| {
                     let band = *sum - coarser;
                     *sum = factor * band;
                     band
-                })
+                }))
             });
         }
         let (mut now, mut next) = (zeros(signal.values.len()), zeros(signal.values.len()));
         let vectors: &mut [&mut [f64]] = &mut [&mut now, &mut next];
         self.leap_bands(leap, signal, schedule, vectors, progress, |level, finer, coarser| {
             let (factor, is_first) = (factors[level], level == 0);
-            measure.visit_band(out, finer, coarser, |sum, finer, coarser| {
+            Ok(measure.visit_band(out, finer, coarser, |sum, finer, coarser| {
                 let band = finer - coarser;
                 *sum = if is_first { factor * band } else { *sum + factor * band };
                 band
-            })
+            }))
         })
     }
 }
@@ -186,6 +208,14 @@ impl RowNorm<'_> {
         };
         let parts: Vec<f64> = parallel::map_rows(out, d, super::bands::VERTICES_AT_A_TIME, chunk);
         parts.into_iter().sum::<f64>().sqrt()
+    }
+
+    /// Turns S_f(j − 1), `finer`, into W_f(j), and returns the norms of the band and of S_f(j), `coarser`.
+    fn subtract_coarser(self, finer: &mut [f64], coarser: &[f64]) -> [f64; 2] {
+        self.visit_band(finer, &[], coarser, |band, _, coarser| {
+            *band -= coarser; // W_f(j) = S_f(j−1) − S_f(j) (eq. 11)
+            *band
+        })
     }
 
     /// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the norms of the band

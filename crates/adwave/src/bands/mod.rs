@@ -23,7 +23,7 @@ mod sum;
 mod transform;
 mod wavelets;
 
-pub use bands::Bands;
+pub use bands::{Bands, mean_square};
 pub use error::BandsError;
 pub(crate) use error::{check_buffer, check_factors, check_signal};
 pub use fixed_series::FixedSeries;

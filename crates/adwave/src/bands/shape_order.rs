@@ -6,7 +6,8 @@ use super::stages::EXTRA_VECTORS;
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
 use crate::pages::zeros;
 use crate::shape::VertexMap;
-use crate::{Progress, parallel};
+use crate::sparse::SignalView;
+use crate::{Cancelled, Progress, parallel};
 
 /// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
@@ -90,7 +91,8 @@ impl Transform {
         if vertex_map.is_identity() {
             let (wavelets, coarsest) = buffer.split_at_mut(n_levels * len);
             let mut outs: Vec<&mut [f64]> = wavelets.chunks_exact_mut(len).collect();
-            let info = self.wavelets_into(signal, n_channels, schedule, &mut outs, progress)?;
+            let spare = Some(&mut *coarsest);
+            let info = self.wavelets_into_with(signal, n_channels, schedule, &mut outs, spare, progress)?;
             parallel::try_visit_rows(coarsest, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
                 rows.copy_from_slice(&signal[first * n_channels..][..rows.len()]);
                 subtract_bands(rows, wavelets, len, first * n_channels);
@@ -119,6 +121,57 @@ impl Transform {
         }
         order.gather(&mean, &mut buffer[n_levels * len..])?;
         Ok(info)
+    }
+
+    /// Calls `visit(level, band)` with each of [`bands`](Self::bands), W_f(1), …, W_f(J) and S_f(J), with levels counted from
+    /// 0. `visit` may change the band. Those of an operator that takes many steps at once ([`Leap`](crate::operator::Leap))
+    /// are computed one after another, so that all of it takes the memory of three signals; if the accuracy asks for finer
+    /// steps, they come again from the first one. The values are those of `bands` bit for bit.
+    ///
+    /// # Errors
+    /// As for [`bands`](Self::bands), and the first error of `visit`.
+    pub fn visit_bands<E: From<BandsError>>(
+        &self,
+        vertex_map: &VertexMap,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+        mut visit: impl FnMut(usize, &mut [f64]) -> Result<(), E>,
+    ) -> Result<BandsInfo, E> {
+        self.check_signal(signal, n_channels)?;
+        let leap = self.leap().filter(|_| vertex_map.is_identity() && schedule.n_levels() > 1);
+        if let Some(leap) = leap {
+            self.check_steps(schedule)?;
+            self.check_precision(schedule, progress)?;
+            let (view, mut failed) = (SignalView { values: signal, n_channels }, None);
+            let mut coarsest = zeros(signal.len());
+            let outcome = self.visit_bands_by_leaps(leap, view, schedule, progress, |level, band| {
+                parallel::try_visit_rows(&mut coarsest, 1, VERTICES_AT_A_TIME, progress, |first, rows| {
+                    if level == 0 {
+                        rows.copy_from_slice(&signal[first..][..rows.len()]);
+                    }
+                    subtract_bands(rows, band, band.len(), first);
+                })?;
+                visit(level, band).map_err(|error| {
+                    failed = Some(error);
+                    Cancelled
+                })
+            });
+            if let Some(error) = failed {
+                return Err(error);
+            }
+            match outcome {
+                Err(BandsError::Missed { .. }) if self.operator().is_reversible() => {}
+                outcome => {
+                    let info = self.info(&outcome?, n_channels);
+                    visit(schedule.n_levels(), &mut coarsest)?;
+                    return Ok(info);
+                }
+            }
+        }
+        let mut bands = self.bands(vertex_map, signal, n_channels, schedule, progress)?;
+        bands.try_visit_levels(visit).map(|()| bands.info)
     }
 
     /// Weighted sum `Σ_j factors[j−1]·W_f(j)` (n_vertices × n_channels, in the order of the shape) by a single

@@ -162,6 +162,19 @@ impl Transform {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
+        self.wavelets_into_with(signal, n_channels, schedule, wavelets, None, progress)
+    }
+
+    /// [`wavelets_into`](Self::wavelets_into) with a vector as long as the signal that may be overwritten.
+    pub(super) fn wavelets_into_with(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        wavelets: &mut [&mut [f64]],
+        spare: Option<&mut [f64]>,
+        progress: Progress<'_>,
+    ) -> Result<BandsInfo, BandsError> {
         self.check_signal(signal, n_channels)?;
         let len = wavelets.len() * signal.len();
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
@@ -172,7 +185,7 @@ impl Transform {
         self.check_precision(schedule, progress)?;
         let outcome = if let Some(leap) = self.leap() {
             let view = SignalView { values: signal, n_channels };
-            match self.wavelets_by_leaps(leap, view, schedule, wavelets, progress) {
+            match self.wavelets_by_leaps(leap, view, schedule, wavelets, spare, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
                     return self
                         .with_series()
@@ -277,12 +290,12 @@ impl Transform {
     }
 
     /// The operator's own way to take many steps, if it is used.
-    fn leap(&self) -> Option<&dyn Leap> {
+    pub(super) fn leap(&self) -> Option<&dyn Leap> {
         self.operator.leap().filter(|_| self.engine == Engine::Leaps)
     }
 
     /// Checks that the levels have whole numbers of steps if the walk is not lazy.
-    fn check_steps(&self, schedule: &Schedule) -> Result<(), BandsError> {
+    pub(super) fn check_steps(&self, schedule: &Schedule) -> Result<(), BandsError> {
         if self.operator.semigroup() == Semigroup::PlainSteps {
             whole_steps_from_zero(schedule)?;
         }

@@ -512,6 +512,11 @@ impl Decomposer {
         }
     }
 
+    /// True if all [`areas`](Self::areas) are 1, as those of an image or a volume without a mask.
+    pub fn has_even_areas(&self) -> bool {
+        self.measure.is_none() && self.vertex_map().is_identity()
+    }
+
     /// Stationary distribution π of the diffusion operator at each vertex of the shape, with sum 1; welded vertices
     /// share theirs equally. Smoothing keeps the mean of a signal with these weights
     /// ([`Diffusion::stationary`]).

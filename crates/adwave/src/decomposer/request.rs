@@ -21,6 +21,7 @@ use std::borrow::Cow;
 /// |---|---|---|---|
 /// | [`bands`](Self::bands) | W_f(1..J) and S_f(J) | the shape's | (J + 1)·n·d |
 /// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
+/// | [`visit_bands`](Self::visit_bands) | the same, one after another | the shape's | 3·n·d on images and volumes |
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
 /// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less for large signals |
 /// | [`normal_components`](Self::normal_components) | W_f(1..J)·n, along the normals | analysis | as for norms |
@@ -163,6 +164,49 @@ impl<'a> BandsRequest<'a> {
             buffer.chunks_exact_mut(filled.len()).for_each(|level| mask.clear(level, d));
         }
         Ok(info)
+    }
+
+    /// Calls `visit(level, band)` with W_f(1), …, W_f(J), S_f(J) in turn, with levels counted from 0, each n_vertices ×
+    /// n_channels: [`Transform::visit_bands`], in the memory of three signals for images and volumes without a mask.
+    ///
+    /// ```
+    /// use adwave::bands::{BandsError, Schedule};
+    /// use adwave::grid::Grid;
+    /// use adwave::Decomposer;
+    /// let grid = Grid::new(&[4], &[1.0])?;
+    /// let line = Decomposer::from_domain(grid.clone(), grid.heat())?;
+    /// let (mut sum, mut levels) = ([0.0; 4], Vec::new());
+    /// let schedule = Schedule::dyadic(2)?;
+    /// line.request(&[4.0, 1.0, 0.0, 2.0], 1, &schedule).visit_bands(|level, band| {
+    ///     levels.push(level);
+    ///     sum.iter_mut().zip(band).for_each(|(sum, w)| *sum += *w);
+    ///     Ok::<(), BandsError>(())
+    /// })?;
+    /// assert_eq!(levels, [0, 1, 2]);
+    /// assert!(sum.iter().zip([4.0, 1.0, 0.0, 2.0]).all(|(sum, f)| (sum - f).abs() < 1e-15));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Transform::visit_bands`].
+    pub fn visit_bands<E: From<BandsError>>(
+        &self,
+        mut visit: impl FnMut(usize, &mut [f64]) -> Result<(), E>,
+    ) -> Result<BandsInfo, E> {
+        let (filled, d) = (self.filled()?, self.n_channels);
+        let mask = self.decomposer.mask.as_ref();
+        let visit = |level: usize, band: &mut [f64]| {
+            if let Some(mask) = mask {
+                mask.clear(band, d);
+            }
+            visit(level, band)
+        };
+        if self.is_linear() {
+            let mut bands = self.unmasked_wavelets(&filled)?.to_bands(self.vertex_map(), &filled);
+            return bands.try_visit_levels(visit).map(|()| bands.info);
+        }
+        let (vertex_map, schedule, progress) = (self.vertex_map(), self.schedule, self.progress);
+        self.transform()?.visit_bands(vertex_map, &filled, d, schedule, progress, visit)
     }
 
     /// Wavelet coefficients in the analysis order; NaN at masked vertices.

@@ -1,6 +1,6 @@
 //! Grids: heat by its eigenvectors, borders, masks, and what all domains share.
 
-use adwave::bands::{BandsParams, Engine, Schedule, Transform};
+use adwave::bands::{BandsError, BandsParams, Engine, Schedule, Transform};
 use adwave::denoise::{DenoiseParams, denoise_signal};
 use adwave::features::{FeatureParams, Response, features};
 use adwave::grid::{Grid, GridError, GridHeat};
@@ -427,4 +427,40 @@ fn grids_that_cannot_be_are_refused() {
     // A single place has no differences.
     let point = decomposer(&sizes(&[1, 1]).unwrap());
     assert_eq!(point.decompose(&[4.0], 1, &Schedule::dyadic(2).unwrap()).unwrap().coarsest(), [4.0]);
+}
+
+#[test]
+fn bands_one_after_another_are_those_of_the_whole_call() {
+    let sizes = [9, 11, 7];
+    let n: usize = sizes.iter().product();
+    let even = Grid::new(&sizes, &[1.0, 2.0, 1.0]).unwrap();
+    let kept: Vec<bool> = (0..n).map(|i| i % 5 != 0).collect();
+    let holes = Grid::new(&sizes, &[1.0; 3]).unwrap().with_kept(kept).unwrap();
+    let rough = noise(2 * n, 8);
+    // Coarse bands of a smooth signal are so small that the leaps are repeated, or replaced by series.
+    let smooth: Vec<f64> = (0..2 * n).map(|i| ((i / 2 % 7) as f64 * 0.3).cos() + 1e4).collect();
+    let schedule = Schedule::real(vec![1.0, 4.5, 300.0]).unwrap();
+    for (grid, signal) in [(&even, &rough), (&even, &smooth), (&holes, &rough)] {
+        let decomposer = decomposer(grid);
+        for accuracy in [1e-3, 1e-10] {
+            let params = BandsParams::default().with_accuracy(accuracy);
+            let request = decomposer.request(signal, 2, &schedule).params(&params);
+            let whole = request.bands().unwrap();
+            let mut found = vec![Vec::new(); 4];
+            let info = request.visit_bands(|level, band| {
+                found[level] = band.to_vec();
+                band.fill(f64::NAN); // it may be changed
+                Ok::<(), BandsError>(())
+            });
+            assert_eq!(info.unwrap().error_bound, whole.info.error_bound);
+            let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            assert!(bits(&found.concat()) == bits(whole.as_slice()), "{accuracy}");
+            let mut levels = Vec::new();
+            let ended = request.visit_bands(|level, _| {
+                levels.push(level);
+                if level == 1 { Err(BandsError::Cancelled(Cancelled)) } else { Ok(()) }
+            });
+            assert!(matches!(ended, Err(BandsError::Cancelled(_))) && levels == [0, 1], "{levels:?}");
+        }
+    }
 }
