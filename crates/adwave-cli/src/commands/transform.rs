@@ -10,10 +10,10 @@ use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
 use crate::output::provenance::provenance;
 use crate::output::stopwatch::Stopwatch;
-use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, write_grid};
+use crate::output::values_file::{ValuesFile, grid_type, holds_fields, unsuitable_format, write_grid};
 use crate::output::{
-    check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, number, peak_memory,
-    percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
+    check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, note_report, number,
+    peak_memory, percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
 };
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{
@@ -24,10 +24,12 @@ use crate::resolve::shape::{Input, load_shape, row_words};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::time::TimeBands;
 use crate::resolve::walk::with_given_walk;
-use adwave::bands::{Bands, BandsParams, Schedule};
-use adwave::operator::OperatorKind;
+use adwave::bands::{Bands, BandsInfo, BandsParams, Schedule, mean_square};
+use adwave::operator::{OperatorKind, RowWeights};
 use adwave::{Decomposer, Progress};
-use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
+use adwave_io::{
+    ArrayValues, Compression, Field, FieldValues, Format, ShapeFile, VolumeSeriesWriter, WriteError,
+};
 use adwave_subdivision::Family;
 use clap::Args;
 use serde_json::{Value, json};
@@ -122,6 +124,26 @@ struct SplitSignal<'a> {
     values: Cow<'a, [f64]>,
 }
 
+/// Levels of a signal that was split, for the report.
+struct SplitSummary {
+    n_vertices: usize,
+    n_channels: usize,
+    steps: Vec<f64>,
+    sigma: Vec<f64>,
+    info: BandsInfo,
+    /// Mean square of each band by area.
+    energy: Vec<f64>,
+}
+
+impl SplitSummary {
+    fn new(split_signal: &SplitSignal<'_>) -> Result<Self, CliError> {
+        let Bands { n_vertices, n_channels, steps, sigma, info, .. } = &split_signal.bands;
+        let energy = split_signal.bands.energy(&split_signal.decomposer.areas())?;
+        let (steps, sigma, info) = (steps.clone(), sigma.clone(), info.clone());
+        Ok(Self { n_vertices: *n_vertices, n_channels: *n_channels, steps, sigma, info, energy })
+    }
+}
+
 /// Name, shape and values of an array.
 type NamedArray<'a> = (&'static str, Vec<usize>, Cow<'a, [f64]>);
 
@@ -142,11 +164,73 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let mut watch = Stopwatch::start();
     let (job, read) = resolve(args, &mut watch, global)?;
     let prepare = watch.lap();
+    if job.goes_band_by_band(&args.output) {
+        let (summary, write) = write_volumes(args, &job, global)?;
+        let seconds = TransformSeconds { read, prepare, split: watch.lap() - write, write };
+        return report(args, &job, &summary, &seconds, global);
+    }
     let split_signal = split(&job, args.signal.name_on(&job.input.file), global)?;
     let split = watch.lap();
     write(args, &job, &split_signal, global)?;
     let seconds = TransformSeconds { read, prepare, split, write: watch.lap() };
-    report(args, &job, &split_signal, &seconds, global)
+    report(args, &job, &SplitSummary::new(&split_signal)?, &seconds, global)
+}
+
+impl TransformJob {
+    /// True if each band goes into the file before the next one is computed, and none is kept.
+    fn goes_band_by_band(&self, output: &Path) -> bool {
+        matches!(self.file, BandsFile::Alone(ValuesFile::Grid))
+            && Format::grid_from_path(output) == Some(Format::NIFTI)
+            && (output.is_file() || !output.exists())
+            && self.quantity.are_numbers()
+            && self.input.file.file_rows().is_none()
+    }
+}
+
+/// Writes each band of a signal of numbers into a NIfTI when it is known, and returns the seconds that writing took.
+fn write_volumes(
+    args: &TransformArgs,
+    job: &TransformJob,
+    global: &Global<'_>,
+) -> Result<(SplitSummary, f64), CliError> {
+    // Errors name the file that the staged one will replace.
+    let failed = |error: WriteError| CliError::from(error.about_file(&args.output));
+    let TransformJob { input, signal, decomposer, schedule, params, .. } = job;
+    let (d, n_levels) = (signal.n_channels, schedule.n_levels());
+    let areas = (!decomposer.has_even_areas()).then(|| decomposer.areas());
+    let weights = areas.as_deref().map_or(RowWeights::Uniform, RowWeights::Each);
+    let (mut energy, mut seconds) = (vec![0.0; n_levels], 0.0);
+    let info = with_progress(global, "splitting", |progress| {
+        global.files.write_with(&args.output, |path| {
+            let kind = grid_type(&input.file);
+            let begun = VolumeSeriesWriter::begin_channels(path, &input.file, kind, (n_levels + 1) * d);
+            let (writer, written) = begun.map_err(failed)?;
+            note_report(global, &args.output, &written);
+            let request = decomposer.request(&signal.values, d, schedule).params(params).progress(progress);
+            let info = request.visit_bands(|level, band| {
+                if let Some(energy) = energy.get_mut(level) {
+                    *energy = mean_square(band, d, weights)?;
+                }
+                let mut watch = Stopwatch::start();
+                for channel in 0..d {
+                    let plane: Cow<'_, [f64]> = match d {
+                        1 => Cow::Borrowed(band),
+                        _ => band.iter().skip(channel).step_by(d).copied().collect(),
+                    };
+                    writer.write(level * d + channel, None, &plane, progress.quiet()).map_err(failed)?;
+                }
+                seconds += watch.lap();
+                Ok::<(), CliError>(())
+            })?;
+            let mut watch = Stopwatch::start();
+            writer.finish(progress.quiet()).map_err(failed)?;
+            seconds += watch.lap();
+            Ok::<BandsInfo, CliError>(info)
+        })
+    })?;
+    let (steps, sigma) = (schedule.steps_from_zero(), schedule.sigma(decomposer.operator().step_length()));
+    let n_vertices = signal.values.len() / d;
+    Ok((SplitSummary { n_vertices, n_channels: d, steps, sigma, info, energy }, seconds))
 }
 
 /// Splits the signal of a job.
@@ -280,31 +364,30 @@ fn write(
 fn report(
     args: &TransformArgs,
     job: &TransformJob,
-    split_signal: &SplitSignal<'_>,
+    summary: &SplitSummary,
     seconds: &TransformSeconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let bands = &split_signal.bands;
-    let energy = bands.energy(&split_signal.decomposer.areas())?;
+    let SplitSummary { n_vertices, n_channels, steps, sigma, info, energy } = summary;
     let diagonal = job.decomposer.extent();
     let name = args.signal.name_on(&job.input.file);
     let [one, many] = job.input.row_words();
     let mut text = format!(
         "{}: {}, {} of {name}\n{}\n\n",
         job.input.name,
-        count(bands.n_vertices, one, many),
-        count(bands.n_channels, "channel", "channels"),
+        count(*n_vertices, one, many),
+        count(*n_channels, "channel", "channels"),
         job.levels_reason,
     );
     text += &table(
         ["level", "steps", "sigma", "FWHM", "% of diagonal", "rms of W by area"],
-        (1..=bands.n_levels()).map(|j| {
+        (1..=energy.len()).map(|j| {
             [
                 j.to_string(),
-                steps_text(bands.steps[j]),
-                number(bands.sigma[j]),
-                fwhm_text(bands.sigma[j], diagonal),
-                percent_of(bands.sigma[j], diagonal),
+                steps_text(steps[j]),
+                number(sigma[j]),
+                fwhm_text(sigma[j], diagonal),
+                percent_of(sigma[j], diagonal),
                 number(energy[j - 1].sqrt()),
             ]
         }),
@@ -324,16 +407,16 @@ fn report(
         "output": args.output.display().to_string(),
         "field": name,
         "operator": job.decomposer.operator_kind().name(),
-        row_words(&job.input.file)[1]: bands.n_vertices,
-        "channels": bands.n_channels,
-        "levels": bands.n_levels(),
+        row_words(&job.input.file)[1]: n_vertices,
+        "channels": n_channels,
+        "levels": energy.len(),
         "levels_reason": job.levels_reason,
-        "steps": steps_json(&bands.steps),
-        "sigma": bands.sigma,
-        "fwhm": fwhm_json(&bands.sigma, diagonal),
+        "steps": steps_json(steps),
+        "sigma": sigma,
+        "fwhm": fwhm_json(sigma, diagonal),
         "energy": energy,
-        "products": bands.info.products,
-        "error_bound": bands.info.error_bound,
+        "products": info.products,
+        "error_bound": info.error_bound,
         "diagonal": diagonal,
         "seconds": {"read": read, "diffusion": prepare, "bands": split, "write": write},
         "peak_memory_bytes": peak_memory(),

@@ -129,14 +129,19 @@ pub(crate) fn write_shape(
                 &format!("{} refers to {names}, which is not in its folder; copy it there", path.display()),
             );
         }
-        if !report.not_written.is_empty() {
-            note(global, &format!("{} cannot store {}", path.display(), report.not_written.join(", ")));
-        }
-        for text in &report.notes {
-            note(global, &format!("{}: {text}", path.display()));
-        }
+        note_report(global, path, &report);
         Ok(report)
     })
+}
+
+/// Notes the content that the format of a file cannot store.
+pub(crate) fn note_report(global: &Global<'_>, path: &Path, report: &WriteReport) {
+    if !report.not_written.is_empty() {
+        note(global, &format!("{} cannot store {}", path.display(), report.not_written.join(", ")));
+    }
+    for text in &report.notes {
+        note(global, &format!("{}: {text}", path.display()));
+    }
 }
 
 /// True if the file carries its provenance: always in formats with a place for it, in comments of PLY and OBJ if that

@@ -14,7 +14,7 @@ pub(crate) mod stopwatch;
 pub(crate) mod values_file;
 
 pub(crate) use files::{
-    check_writable, clone_for_output, has_extension, make_folder, output_format, release_source,
+    check_writable, clone_for_output, has_extension, make_folder, note_report, output_format, release_source,
     without_gzip, write_file, write_file_with, write_shape,
 };
 pub(crate) use health::given_normals_json;

@@ -273,9 +273,7 @@ pub(crate) fn write_grid(
         )));
     }
     let mut grid = clone_for_output(file, path);
-    let is_double = file.field(GRID_VALUES).is_some_and(|field| field.values.value_type() == ValueType::F64);
-    let usual = if is_double { ValueType::F64 } else { ValueType::F32 };
-    let (kind, n) = (file.value_type().unwrap_or(usual), file.n_vertices());
+    let (kind, n) = (grid_type(file), file.n_vertices());
     let values = if kind == ValueType::F32 {
         FieldValues::F32(join_rows(n, n_channels, |v| v as f32, copy))
     } else {
@@ -284,4 +282,11 @@ pub(crate) fn write_grid(
     grid.set_value_type(Some(kind));
     grid.add_vertex_field(Field::new(GRID_VALUES, n_channels, values))?;
     write_shape(global, &grid, path).map(|_| ())
+}
+
+/// Type of values that are computed from those of an image or a volume: the one that is asked for, else floats of 64 bits
+/// if it has these, else of 32 bits.
+pub(crate) fn grid_type(file: &ShapeFile) -> ValueType {
+    let is_double = file.field(GRID_VALUES).is_some_and(|field| field.values.value_type() == ValueType::F64);
+    file.value_type().unwrap_or(if is_double { ValueType::F64 } else { ValueType::F32 })
 }

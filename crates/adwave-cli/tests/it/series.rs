@@ -180,3 +180,64 @@ fn what_does_not_say_its_time_is_asked_for_it() {
     let notes = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(notes.contains("NaN in some frames at 1 vertex"), "{notes}");
 }
+
+#[test]
+fn bands_that_are_written_one_by_one_are_those_that_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let mut first = ShapeFile::from_grid(GridLayout::new(&[9, 8, 7], &[2.0, 1.0, 1.0])).unwrap();
+    let numbers: Vec<f64> = (0..504).map(|i| f64::from(i * 7919 % 101)).collect();
+    first.add_vertex_field(Field::new(GRID_VALUES, 1, FieldValues::F64(numbers.clone()))).unwrap();
+    write_path(&first, &at("v.nii"), None).unwrap();
+    write_npy(&at("v.npy"), &[9, 8, 7], ArrayValues::F64(&numbers)).unwrap();
+    // A TIFF keeps all bands until the end; a NIfTI takes them one after another, plain or compressed.
+    let report = json(folder.path(), "transform v.nii -o kept.tif --fwhm 3,6");
+    let kept = values(&at("kept.tif"));
+    for name in ["one.nii", "one.nii.gz"] {
+        let own = json(folder.path(), &format!("transform v.nii -o {name} --fwhm 3,6"));
+        for key in ["energy", "fwhm", "levels", "error_bound", "channels"] {
+            assert_eq!(own[key], report[key], "{key}");
+        }
+        let found = values(&at(name));
+        assert!(found.len() == 3 * 504 && apart(&found, &kept) == 0.0);
+        let sum: Vec<f64> = found.chunks_exact(3).map(|row| row.iter().sum()).collect();
+        assert!(apart(&sum, &numbers) < 1e-12);
+    }
+    // The places without a value, and several channels, each with its bands.
+    let mut holes = numbers.clone();
+    holes[17] = f64::NAN;
+    let mut two = first.clone();
+    let pairs = holes.iter().flat_map(|v| [*v, 2.0 * v]).collect();
+    two.add_vertex_field(Field::new(GRID_VALUES, 2, FieldValues::F64(pairs))).unwrap();
+    write_path(&two, &at("two.nii"), None).unwrap();
+    for name in ["bands.tif", "bands.nii"] {
+        json(folder.path(), &format!("transform two.nii -o {name} --fwhm 3,6"));
+    }
+    let [kept, found] = ["bands.tif", "bands.nii"].map(|name| values(&at(name)));
+    assert!(found.len() == 6 * 504 && kept.len() == found.len());
+    let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan());
+    assert!(kept.iter().zip(&found).all(same));
+}
+
+#[test]
+fn a_compressed_series_is_filtered_as_a_plain_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    // Large enough to go volume by volume.
+    let (n, frames) = (64 * 64 * 64, 17);
+    let mut file = ShapeFile::from_grid(GridLayout::new(&[64, 64, 64], &[2.0; 3])).unwrap();
+    let numbers = (0..n * frames).map(|i| (i * 7919 % 10_007) as f32).collect();
+    file.add_vertex_field(Field::new(GRID_VALUES, frames, FieldValues::F32(numbers))).unwrap();
+    for name in ["v.nii", "v.nii.gz"] {
+        write_path(&file, &at(name), None).unwrap();
+    }
+    let reports =
+        [("v.nii", "a.nii"), ("v.nii.gz", "b.nii"), ("v.nii", "c.nii.gz"), ("v.nii.gz", "d.nii.gz")].map(
+            |(input, output)| {
+                let report =
+                    json(folder.path(), &format!("filter {input} -o {output} --fwhm 6 --preset suppress"));
+                (report["change"].clone(), values(&at(output)))
+            },
+        );
+    assert!(reports.iter().all(|other| *other == reports[0]));
+}

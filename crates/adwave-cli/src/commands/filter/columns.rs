@@ -17,8 +17,8 @@ use crate::resolve::signal::{KEEP_SENTINELS, Signal, SignalValues, note_unknown}
 use adwave::pages::zeros;
 use adwave::{Decomposer, Progress};
 use adwave_io::{
-    Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, ShapeFile, ValueType, VolumeSeries,
-    VolumeSeriesWriter, WriteError, mark_unknown,
+    Field, FieldValues, GRID_VALUES, NpyColumns, NpyColumnsWriter, SeriesVolume, ShapeFile, ValueType,
+    VolumeSeries, VolumeSeriesWriter, WriteError, mark_unknown,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -152,6 +152,9 @@ impl Values {
     }
 }
 
+/// Change of a volume, and the accuracy of its bands if they were computed.
+type ChangeAndAccuracy = (SignalChange, Option<BandsAccuracy>);
+
 /// Filters the volumes of a series, a few at the same time, into a file of the same kind at `path`.
 fn filter_volumes(
     job: &FilterJob<'_>,
@@ -166,8 +169,7 @@ fn filter_volumes(
     let (schedule, layers) = levels_and_layers(job, schedule(job, decomposer, global)?)?;
     let (n, chosen) = (series.n_volumes(), LevelsAndLayers { schedule: &schedule, layers: &layers });
     let writer = VolumeSeriesWriter::begin(path, series).map_err(failed)?;
-    let filter = |volume: usize| -> Result<(SignalChange, Option<BandsAccuracy>), CliError> {
-        let mut before = series.read(volume, progress.quiet())?;
+    let filter = |(volume, mut before): (usize, SeriesVolume)| -> Result<ChangeAndAccuracy, CliError> {
         let mut values = std::mem::take(&mut before.values);
         let unknown = mark_unknown(&mut values, 1);
         let signal = Signal { unknown, ..Signal::new(1, SignalValues::Other(values)) };
@@ -178,7 +180,7 @@ fn filter_volumes(
             edited_parts(job, &parts, &signal.values, Some(chosen), global, progress.quiet())?;
         let change = SignalChange::new(&signal.values, &values);
         signal.restore_unknown(&mut values);
-        writer.write(volume, &before, values, progress.quiet()).map_err(failed)?;
+        writer.write(volume, Some(&before), &values, progress.quiet()).map_err(failed)?;
         Ok((change, accuracy))
     };
     // Volumes at the same time, which take several vectors each.
@@ -186,9 +188,10 @@ fn filter_volumes(
     let (mut change, mut accuracy) = (SignalChange::default(), None);
     for first in (0..n).step_by(together) {
         progress.step(first as u64, n as u64).map_err(|_| CliError::Cancelled)?;
-        let volumes = first..(first + together).min(n);
+        let numbers = first..(first + together).min(n);
+        let volumes: Vec<_> = numbers.clone().zip(series.read(numbers, progress.quiet())?).collect();
         let results: Vec<_> = if together == 1 {
-            volumes.map(filter).collect()
+            volumes.into_iter().map(filter).collect()
         } else {
             volumes.into_par_iter().map(filter).collect()
         };

@@ -267,8 +267,8 @@ fn series_of_input(
 ) -> Result<Option<VolumeSeries>, CliError> {
     let (path, output) = (Path::new(&args.shape.shape), result.path());
     let is_file = path.is_file() && (output.is_file() || !output.exists());
-    let is_named = Format::grid_from_path(output) == Some(Format::NIFTI) && has_extension(output, &["nii"]);
-    if !is_file || !is_named || !global.given.are_among(&OPTIONS_OF_VOLUMES) {
+    let is_nifti = Format::grid_from_path(output) == Some(Format::NIFTI);
+    if !is_file || !is_nifti || !global.given.are_among(&OPTIONS_OF_VOLUMES) {
         return Ok(None);
     }
     let Some(series) = VolumeSeries::open(path, &global.limits) else { return Ok(None) };

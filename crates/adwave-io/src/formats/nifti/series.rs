@@ -1,37 +1,60 @@
-//! Volumes of a series, one at a time: NIfTI files that are larger than memory.
+//! Volumes one at a time: NIfTI files that are larger than memory, plain or compressed by gzip.
 //!
-//! The volumes lie one after another, so each is one piece, read and written at its position.
+//! The volumes lie one after another. In a plain file each is read and written at its position, in any order; a compressed
+//! one is read and written from the beginning to the end.
 
 use super::header::{HeaderEditor, NiftiHeader, has_magic, is_cifti};
 use super::read::read_nifti;
+use super::write::NiftiFrame;
 use crate::files::atomic::PendingFile;
 use crate::files::positions::{read_at, write_at};
 use crate::model::field::with_values;
 use crate::model::grid_layout::GRID_VALUES;
 use crate::model::grid_values::GridNumbers;
-use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, ValueType, WriteError};
+use crate::{
+    Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, ValueType, WriteError, WriteReport,
+};
 use adwave::Progress;
+use flate2::bufread::MultiGzDecoder;
+use flate2::write::GzEncoder;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Bytes at the beginning of a file among which the header and its extensions end.
+/// Bytes at the beginning of a file among which the header and its extensions end, and most bytes after the numbers.
 const HEAD_BYTES: usize = 1 << 16;
+/// Bytes that are compressed between two checks for cancellation.
+const COMPRESSED_PER_STEP: usize = 1 << 18;
 
-/// A NIfTI of several volumes, not compressed, that are read one at a time.
+/// A NIfTI of several volumes that are read one at a time.
 #[derive(Debug)]
 pub struct VolumeSeries {
-    file: File,
+    source: SeriesSource,
     path: PathBuf,
     /// Bytes before the numbers.
     head: Vec<u8>,
-    /// Bytes after them.
-    tail: Vec<u8>,
     header: NiftiHeader,
     /// Numbers of one volume.
     numbers: GridNumbers,
     n_volumes: usize,
+}
+
+#[derive(Debug)]
+enum SeriesSource {
+    Plain { file: File, n_after: usize },
+    Gzip(Mutex<GzipVolumes>),
+}
+
+/// Volumes of a compressed file.
+#[derive(Debug)]
+struct GzipVolumes {
+    reader: MultiGzDecoder<BufReader<File>>,
+    /// Number of the volume that comes next.
+    next: usize,
 }
 
 /// A volume of a series.
@@ -43,13 +66,18 @@ pub struct SeriesVolume {
 }
 
 impl VolumeSeries {
-    /// Opens a file of two volumes or more with one number at each voxel; `None` if it is something else, is compressed,
-    /// or has errors, which reading it as a whole reports.
+    /// Opens a file of two volumes or more with one number at each voxel; `None` if it is something else, or if its
+    /// header has errors or a plain file ends early, which reading it as a whole reports.
     pub fn open(path: &Path, limits: &ReadLimits) -> Option<Self> {
         let file = File::open(path).ok()?;
         let metadata = file.metadata().ok().filter(std::fs::Metadata::is_file)?;
         let mut head = Vec::new();
         (&file).take(HEAD_BYTES as u64).read_to_end(&mut head).ok()?;
+        let is_gzip = head.starts_with(&[0x1f, 0x8b]);
+        if is_gzip {
+            head.clear();
+            gzip_reader(path).ok()?.take(HEAD_BYTES as u64).read_to_end(&mut head).ok()?;
+        }
         if !has_magic(&head) || is_cifti(&head) {
             return None;
         }
@@ -66,12 +94,15 @@ impl VolumeSeries {
         limits.check_places(n_places as u64).ok()?;
         limits.check_bytes(8 * n_places as u64).ok()?;
         let end = numbers.n_bytes()?.checked_mul(n_volumes)?.checked_add(header.start)? as u64;
-        let n_after = metadata.len().checked_sub(end).filter(|n| *n <= HEAD_BYTES as u64)?;
-        let mut tail = vec![0; n_after as usize];
-        read_at(&file, end, &mut tail).ok()?;
         head.truncate(header.start);
+        let source = if is_gzip {
+            SeriesSource::Gzip(Mutex::new(GzipVolumes::open(path, head.len()).ok()?))
+        } else {
+            let n_after = metadata.len().checked_sub(end).filter(|n| *n <= HEAD_BYTES as u64)?;
+            SeriesSource::Plain { file, n_after: n_after as usize }
+        };
         let path = path.to_owned();
-        (n_volumes > 1).then_some(Self { file, path, head, tail, header, numbers, n_volumes })
+        (n_volumes > 1).then_some(Self { source, path, head, header, numbers, n_volumes })
     }
 
     /// Path of the file.
@@ -102,7 +133,7 @@ impl VolumeSeries {
         let mut bytes = self.head.clone();
         let (version, order) = (self.header.version, self.header.order);
         HeaderEditor { bytes: &mut bytes, version, order }.set_sizes(&self.header.sizes[..3]);
-        bytes.extend(self.bytes(0)?);
+        bytes.extend(self.bytes(0, progress)?);
         read_nifti(bytes, limits, progress).map_err(|e| e.in_file(&self.path))
     }
 
@@ -114,71 +145,201 @@ impl VolumeSeries {
         if self.numbers.kind.is_integer() {
             return Ok(true);
         }
-        let flags = (0..self.n_volumes).into_par_iter().map(|volume| {
+        let is_finite = |volume: usize| {
             progress.check()?;
             let mut values = self.numbers.kind.empty();
-            with_values!(&mut values, v => *v = self.numbers.adjacent(&self.bytes(volume)?));
+            with_values!(&mut values, v => *v = self.numbers.adjacent(&self.bytes(volume, progress)?));
             Ok(match values {
                 FieldValues::F32(values) => values.iter().all(|x| x.is_finite()),
                 FieldValues::F64(values) => values.iter().all(|x| x.is_finite()),
                 _ => true,
             })
-        });
-        let flags: Result<Vec<bool>, ReadError> = flags.collect();
+        };
+        let flags: Result<Vec<bool>, ReadError> = match self.source {
+            SeriesSource::Plain { .. } => (0..self.n_volumes).into_par_iter().map(is_finite).collect(),
+            SeriesSource::Gzip(_) => (0..self.n_volumes).map(is_finite).collect(),
+        };
         Ok(flags?.into_iter().all(|is_finite| is_finite))
     }
 
-    /// The volume with this number, from 0.
+    /// The volumes with these numbers, from 0. Those of a compressed file are found fastest from the first to the last.
     ///
     /// # Errors
     /// The file cannot be read, or the call is cancelled.
     ///
     /// # Panics
     /// If there are fewer volumes.
-    pub fn read(&self, volume: usize, progress: Progress<'_>) -> Result<SeriesVolume, ReadError> {
-        assert!(volume < self.n_volumes, "volumes of the series");
-        let bytes = self.bytes(volume)?;
-        progress.check().map_err(ReadError::from)?;
-        Ok(SeriesVolume { values: self.numbers.values(&bytes), bytes })
+    pub fn read(
+        &self,
+        volumes: Range<usize>,
+        progress: Progress<'_>,
+    ) -> Result<Vec<SeriesVolume>, ReadError> {
+        assert!(volumes.end <= self.n_volumes, "volumes of the series");
+        let decode = |bytes: Vec<u8>| SeriesVolume { values: self.numbers.values(&bytes), bytes };
+        if matches!(self.source, SeriesSource::Plain { .. }) {
+            return volumes.into_par_iter().map(|volume| Ok(decode(self.bytes(volume, progress)?))).collect();
+        }
+        let bytes = volumes.map(|volume| self.bytes(volume, progress)).collect::<Result<Vec<_>, _>>()?;
+        Ok(bytes.into_par_iter().map(decode).collect())
     }
 
-    fn bytes(&self, volume: usize) -> Result<Vec<u8>, ReadError> {
+    fn bytes(&self, volume: usize, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
+        progress.check()?;
         let mut bytes = vec![0; self.numbers.n_bytes().unwrap_or(0)];
-        let position = self.position(volume);
-        read_at(&self.file, position, &mut bytes).map_err(|e| ReadError::from(e).in_file(&self.path))?;
+        let read = match &self.source {
+            SeriesSource::Plain { file, .. } => {
+                let position = position(&self.head, &self.numbers, volume);
+                read_at(file, position, &mut bytes).map_err(ReadError::from)
+            }
+            SeriesSource::Gzip(volumes) => {
+                let damaged = |e: io::Error| {
+                    let of = self.n_volumes;
+                    ReadError::Whole(format!(
+                        "the gzip stream is damaged or ends before volume {} of {of} does ({e}); get the complete file",
+                        volume + 1
+                    ))
+                };
+                self.locate(lock(volumes), volume, &mut bytes)
+                    .and_then(|mut volumes| {
+                        volumes.next += 1;
+                        volumes.reader.read_exact(&mut bytes)
+                    })
+                    .map_err(damaged)
+            }
+        };
+        read.map_err(|e| e.in_file(&self.path))?;
         Ok(bytes)
     }
 
-    fn position(&self, volume: usize) -> u64 {
-        (self.head.len() + volume * self.numbers.n_bytes().unwrap_or(0)) as u64
+    /// Reads on, or again from the beginning, until `volume` comes next; `skipped` holds the bytes of a volume.
+    fn locate<'a>(
+        &self,
+        mut volumes: MutexGuard<'a, GzipVolumes>,
+        volume: usize,
+        skipped: &mut [u8],
+    ) -> io::Result<MutexGuard<'a, GzipVolumes>> {
+        if volume < volumes.next {
+            *volumes = GzipVolumes::open(&self.path, self.head.len())?;
+        }
+        while volumes.next < volume {
+            volumes.reader.read_exact(skipped)?;
+            volumes.next += 1;
+        }
+        Ok(volumes)
+    }
+
+    /// Bytes after the numbers.
+    fn tail(&self) -> io::Result<Vec<u8>> {
+        match &self.source {
+            SeriesSource::Plain { file, n_after } => {
+                let mut tail = vec![0; *n_after];
+                read_at(file, position(&self.head, &self.numbers, self.n_volumes), &mut tail)?;
+                Ok(tail)
+            }
+            SeriesSource::Gzip(volumes) => {
+                let mut skipped = vec![0; self.numbers.n_bytes().unwrap_or(0)];
+                let mut volumes = self.locate(lock(volumes), self.n_volumes, &mut skipped)?;
+                let mut tail = Vec::new();
+                (&mut volumes.reader).take(HEAD_BYTES as u64 + 1).read_to_end(&mut tail)?;
+                if tail.len() > HEAD_BYTES {
+                    let message =
+                        "more bytes follow the volumes than the header tells of; get an intact file";
+                    return Err(io::Error::other(message));
+                }
+                Ok(tail)
+            }
+        }
     }
 }
 
-/// A series with the header and the type of numbers of another, whose volumes are written in any order. The file takes its
-/// place when it is finished; dropped before, it leaves nothing.
+impl GzipVolumes {
+    /// The volumes that follow a header of so many bytes.
+    fn open(path: &Path, n_before: usize) -> io::Result<Self> {
+        let mut reader = gzip_reader(path)?;
+        reader.read_exact(&mut vec![0; n_before])?;
+        Ok(Self { reader, next: 0 })
+    }
+}
+
+fn gzip_reader(path: &Path) -> io::Result<MultiGzDecoder<BufReader<File>>> {
+    Ok(MultiGzDecoder::new(BufReader::with_capacity(1 << 18, File::open(path)?)))
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// First byte of a volume in a plain file.
+fn position(head: &[u8], numbers: &GridNumbers, volume: usize) -> u64 {
+    (head.len() + volume * numbers.n_bytes().unwrap_or(0)) as u64
+}
+
+/// A NIfTI whose volumes are written one at a time, in any order; a compressed file keeps those that come early until
+/// their turn. The file takes its place when it is finished; dropped before, it leaves nothing.
 pub struct VolumeSeriesWriter<'a> {
-    series: &'a VolumeSeries,
-    pending: PendingFile,
+    /// Bytes before the numbers, and after them if they belong to no series.
+    head: Vec<u8>,
+    tail: Vec<u8>,
+    series: Option<&'a VolumeSeries>,
+    /// Numbers of one volume.
+    numbers: GridNumbers,
+    n_volumes: usize,
+    output: SeriesOutput,
     path: PathBuf,
 }
 
+enum SeriesOutput {
+    Plain(PendingFile),
+    Gzip(Mutex<GzipOutput>),
+}
+
+struct GzipOutput {
+    pending: PendingFile,
+    encoder: GzEncoder<BufWriter<File>>,
+    /// Number of the volume that comes next.
+    next: usize,
+    /// Bytes of volumes that came early.
+    early: BTreeMap<usize, Vec<u8>>,
+}
+
 impl<'a> VolumeSeriesWriter<'a> {
-    /// Creates a file of zeros.
+    /// Creates a file with the header and the type of numbers of a series, compressed if its name ends in `.gz`.
     ///
     /// # Errors
     /// The folder is missing, a system call fails, or the path is a pipe or a device.
     pub fn begin(path: &Path, series: &'a VolumeSeries) -> Result<Self, WriteError> {
-        let pending = PendingFile::begin(path).map_err(|e| e.in_file(path))?;
-        let writer = Self { series, pending, path: path.to_owned() };
-        let (file, end) = (writer.pending.out.get_ref(), series.position(series.n_volumes));
-        write_at(file, 0, &series.head)
-            .and_then(|()| file.set_len(end + series.tail.len() as u64))
-            .and_then(|()| write_at(file, end, &series.tail))
-            .map_err(|e| WriteError::from(e).in_file(path))?;
-        Ok(writer)
+        let (head, numbers) = (series.head.clone(), series.numbers.clone());
+        let output = SeriesOutput::begin(path, &head).map_err(|e| e.in_file(path))?;
+        let (n_volumes, path) = (series.n_volumes, path.to_owned());
+        Ok(Self { head, tail: Vec::new(), series: Some(series), numbers, n_volumes, output, path })
     }
 
-    /// Writes new values of a volume, whose number counts from 0. Where `before` has the same value, its bytes stay.
+    /// Creates a file for `n_channels` values of a type at each place of a volume: the one that it was read from, else a
+    /// new one. The report names fields that it cannot hold.
+    ///
+    /// # Errors
+    /// As for [`begin`](Self::begin), and if the shape is no volume.
+    pub fn begin_channels(
+        path: &Path,
+        shape: &ShapeFile,
+        kind: ValueType,
+        n_channels: usize,
+    ) -> Result<(Self, WriteReport), WriteError> {
+        let begin = || {
+            let mut report = WriteReport::default();
+            report.report_vertex_fields(shape, &[GRID_VALUES]);
+            let frame = NiftiFrame::of_channels(shape, kind, n_channels, &mut report)?;
+            Ok((SeriesOutput::begin(path, &frame.head)?, frame, report))
+        };
+        let (output, frame, report) = begin().map_err(|e: WriteError| e.in_file(path))?;
+        let NiftiFrame { head, tail, numbers } = frame;
+        let numbers = GridNumbers { n_planes: 1, ..numbers };
+        let (n_volumes, path) = (n_channels, path.to_owned());
+        Ok((Self { head, tail, series: None, numbers, n_volumes, output, path }, report))
+    }
+
+    /// Writes the values of a volume, whose number counts from 0. Where `before` has the same value, its bytes stay.
+    /// Volume 0 of a compressed file begins it again.
     ///
     /// # Errors
     /// The file cannot be written, a value does not fit the type of the numbers, or the call is cancelled.
@@ -188,33 +349,130 @@ impl<'a> VolumeSeriesWriter<'a> {
     pub fn write(
         &self,
         volume: usize,
-        before: &SeriesVolume,
-        values: Vec<f64>,
+        before: Option<&SeriesVolume>,
+        values: &[f64],
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
-        let numbers = &self.series.numbers;
-        assert_eq!(values.len(), numbers.n_places, "a value for each voxel");
-        let is_single = numbers.kind == ValueType::F32 && !numbers.is_scaled();
+        assert_eq!(values.len(), self.numbers.n_places, "a value for each voxel");
+        let is_single = self.numbers.kind == ValueType::F32 && !self.numbers.is_scaled();
         let values = if is_single {
-            FieldValues::F32(values.iter().map(|v| *v as f32).collect())
+            FieldValues::F32(values.par_iter().map(|v| *v as f32).collect())
         } else {
-            FieldValues::F64(values)
+            FieldValues::F64(values.to_vec())
         };
-        let (field, mut bytes) = (Field::new(GRID_VALUES, 1, values), Vec::with_capacity(before.bytes.len()));
-        let encoded = numbers.write(Some(&before.bytes), &field, Format::NIFTI, &mut bytes, progress);
-        let written = encoded
-            .map_err(|error| in_volume(error, volume))
-            .and_then(|()| Ok(write_at(self.pending.out.get_ref(), self.series.position(volume), &bytes)?));
+        let field = Field::new(GRID_VALUES, 1, values);
+        let encode = |out: &mut dyn Write| {
+            let before = before.map(|before| &before.bytes[..]);
+            let encoded = self.numbers.write(before, &field, Format::NIFTI, out, progress);
+            encoded.map_err(|error| in_volume(error, volume))
+        };
+        let written = match &self.output {
+            SeriesOutput::Plain(pending) => {
+                let position = position(&self.head, &self.numbers, volume);
+                encode(&mut WriterAt { file: pending.out.get_ref(), position })
+            }
+            SeriesOutput::Gzip(output) => {
+                let mut bytes = Vec::with_capacity(self.numbers.n_bytes().unwrap_or(0));
+                encode(&mut bytes).and_then(|()| {
+                    let mut output = lock(output);
+                    if volume == 0 && output.next > 0 {
+                        output.begin_again(&self.head)?;
+                    }
+                    output.early.insert(volume, bytes);
+                    output.compress(progress)
+                })
+            }
+        };
         written.map_err(|e| e.in_file(&self.path))
     }
 
     /// Flushes the file to the disk and puts it in its place.
     ///
     /// # Errors
-    /// A system call fails, or the call is cancelled.
+    /// A system call fails, a compressed series has another end than its header tells of, or the call is cancelled.
     pub fn finish(self, progress: Progress<'_>) -> Result<(), WriteError> {
-        let Self { pending, path, .. } = self;
-        pending.finish(progress).map_err(|e| e.in_file(&path))
+        let Self { head, tail, series, numbers, n_volumes, output, path } = self;
+        let end = || -> Result<(), WriteError> {
+            let tail = series.map_or(Ok(tail), VolumeSeries::tail)?;
+            match output {
+                SeriesOutput::Plain(pending) => {
+                    write_at(pending.out.get_ref(), position(&head, &numbers, n_volumes), &tail)?;
+                    pending.finish(progress)
+                }
+                SeriesOutput::Gzip(output) => {
+                    let GzipOutput { pending, mut encoder, .. } =
+                        output.into_inner().unwrap_or_else(PoisonError::into_inner);
+                    encoder.write_all(&tail)?;
+                    encoder.finish()?.flush()?;
+                    pending.finish(progress)
+                }
+            }
+        };
+        end().map_err(|e| e.in_file(&path))
+    }
+}
+
+impl SeriesOutput {
+    fn begin(path: &Path, head: &[u8]) -> Result<Self, WriteError> {
+        let pending = PendingFile::begin(path)?;
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz")) {
+            let encoder = gzip_encoder(&pending)?;
+            let mut output = GzipOutput { pending, encoder, next: 0, early: BTreeMap::new() };
+            output.encoder.write_all(head)?;
+            return Ok(Self::Gzip(Mutex::new(output)));
+        }
+        write_at(pending.out.get_ref(), 0, head)?;
+        Ok(Self::Plain(pending))
+    }
+}
+
+/// Encoder into a file from its position on.
+fn gzip_encoder(pending: &PendingFile) -> io::Result<GzEncoder<BufWriter<File>>> {
+    let file = BufWriter::with_capacity(1 << 18, pending.out.get_ref().try_clone()?);
+    Ok(GzEncoder::new(file, flate2::Compression::default()))
+}
+
+impl GzipOutput {
+    /// Empties the file and writes the header.
+    fn begin_again(&mut self, head: &[u8]) -> io::Result<()> {
+        // The old encoder ends its stream when it is dropped.
+        self.encoder = gzip_encoder(&self.pending)?;
+        let mut file = self.pending.out.get_ref();
+        file.rewind()?;
+        file.set_len(0)?;
+        self.next = 0;
+        self.early.clear();
+        self.encoder.write_all(head)
+    }
+
+    /// Compresses the volumes whose turn has come.
+    fn compress(&mut self, progress: Progress<'_>) -> Result<(), WriteError> {
+        while let Some(bytes) = self.early.remove(&self.next) {
+            for part in bytes.chunks(COMPRESSED_PER_STEP) {
+                progress.check()?;
+                self.encoder.write_all(part)?;
+            }
+            self.next += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Writer that begins at a byte of a file.
+struct WriterAt<'a> {
+    file: &'a File,
+    position: u64,
+}
+
+impl Write for WriterAt<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        write_at(self.file, self.position, bytes)?;
+        self.position += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -264,14 +522,50 @@ mod tests {
             assert_eq!(first.grid().unwrap().steps, whole.grid().unwrap().steps);
             let writer = VolumeSeriesWriter::begin(&copy, &series).unwrap();
             for volume in [3, 0, 6, 1, 2, 5, 4] {
-                let read = series.read(volume, Progress::none()).unwrap();
+                let read = &series.read(volume..volume + 1, Progress::none()).unwrap()[0];
                 assert!((0..60).all(|place| read.values[place] == field.get(place, volume)));
-                let same = read.values.clone();
-                writer.write(volume, &read, same, Progress::none()).unwrap();
+                writer.write(volume, Some(read), &read.values, Progress::none()).unwrap();
             }
             writer.finish(Progress::none()).unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&copy).unwrap());
         }
+    }
+
+    #[test]
+    fn compressed_volumes_are_those_of_the_plain_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, plain, packed] = ["a.nii.gz", "b.nii", "c.nii.gz"].map(|name| folder.path().join(name));
+        write_series(&path, ValueType::I16, 5);
+        let series = VolumeSeries::open(&path, &ReadLimits::default()).unwrap();
+        let whole = read_path(&path, &ReadLimits::default()).unwrap();
+        for range in [0..2, 3..5, 1..4] {
+            for (volume, read) in range.clone().zip(series.read(range, Progress::none()).unwrap()) {
+                assert!(
+                    (0..60).all(|at| read.values[at] == whole.field(GRID_VALUES).unwrap().get(at, volume))
+                );
+            }
+        }
+        for out in [&plain, &packed] {
+            let writer = VolumeSeriesWriter::begin(out, &series).unwrap();
+            // The second round begins the compressed file again.
+            for volume in [0, 1, 2, 0, 4, 2, 1, 3] {
+                let read = &series.read(volume..volume + 1, Progress::none()).unwrap()[0];
+                writer.write(volume, Some(read), &read.values, Progress::none()).unwrap();
+            }
+            writer.finish(Progress::none()).unwrap();
+        }
+        let unpack = |path: &Path| {
+            let mut bytes = Vec::new();
+            gzip_reader(path).unwrap().read_to_end(&mut bytes).unwrap();
+            bytes
+        };
+        assert!(unpack(&path) == unpack(&packed) && unpack(&path) == std::fs::read(&plain).unwrap());
+        // A file that was cut off is named when it is read.
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
+        let series = VolumeSeries::open(&path, &ReadLimits::default()).unwrap();
+        let error = series.read(0..5, Progress::none()).unwrap_err().to_string();
+        assert!(error.contains("a.nii.gz") && error.contains("complete file"), "{error}");
     }
 
     #[test]
@@ -300,10 +594,10 @@ mod tests {
         write_series(&path, ValueType::I8, 3);
         let series = VolumeSeries::open(&path, &ReadLimits::default()).unwrap();
         let writer = VolumeSeriesWriter::begin(&out, &series).unwrap();
-        let read = series.read(2, Progress::none()).unwrap();
+        let read = &series.read(2..3, Progress::none()).unwrap()[0];
         let mut values = read.values.clone();
         values[5] = 128.0;
-        let error = writer.write(2, &read, values, Progress::none()).unwrap_err().to_string();
+        let error = writer.write(2, Some(read), &values, Progress::none()).unwrap_err().to_string();
         assert!(error.contains("128") && error.contains("5, channel 2,"), "{error}");
         drop(writer);
         assert!(!out.exists());

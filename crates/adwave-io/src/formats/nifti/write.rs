@@ -6,7 +6,7 @@ use crate::model::field::ByteOrder;
 use crate::model::grid_layout::GridLayout;
 use crate::model::grid_values::{GridNumbers, written_field};
 use crate::model::source_document::{SourceDocument, Update};
-use crate::{Format, LengthUnit, ShapeFile, ValueType, WriteError};
+use crate::{Field, Format, LengthUnit, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// A NIfTI that was read.
 #[derive(Debug)]
@@ -38,10 +38,79 @@ impl NiftiDocument {
     }
 }
 
+impl NiftiDocument {
+    /// The file with numbers of another type, or of another number of channels: the rest of the header stays. `None` if its
+    /// version cannot hold so many.
+    fn frame(
+        &self,
+        kind: ValueType,
+        n_places: usize,
+        n_channels: usize,
+        frame_step: Option<f64>,
+    ) -> Option<NiftiFrame> {
+        let Self { head, tail, header, numbers, .. } = self;
+        let mut sizes = header.sizes.clone();
+        if n_channels != numbers.n_planes {
+            sizes.truncate(3);
+            if n_channels > 1 {
+                sizes.resize(3, 1);
+                sizes.push(n_channels);
+            }
+            if n_channels as u64 > header.version.most() {
+                return None;
+            }
+        }
+        let (mut head, tail) = (head.clone(), tail.clone());
+        let mut editor = HeaderEditor { bytes: &mut head, version: header.version, order: header.order };
+        editor.set_value_type(kind);
+        if sizes != header.sizes {
+            editor.set_sizes(&sizes);
+            editor.set_frame_step(frame_step, header.units as u8);
+        }
+        Some(NiftiFrame { head, tail, numbers: planes(kind, header.order, n_places, n_channels) })
+    }
+}
+
+/// A NIfTI without its numbers, which are the values.
+#[derive(Debug)]
+pub(super) struct NiftiFrame {
+    /// Bytes before the numbers, and those after them.
+    pub(super) head: Vec<u8>,
+    pub(super) tail: Vec<u8>,
+    /// Layout of the numbers, a plane for each channel.
+    pub(super) numbers: GridNumbers,
+}
+
+impl NiftiFrame {
+    /// The file that a volume is written to with `n_channels` values of a type at each place: the one that it was read
+    /// from, else a new one.
+    ///
+    /// # Errors
+    /// The shape is no volume.
+    pub(super) fn of_channels(
+        shape: &ShapeFile,
+        kind: ValueType,
+        n_channels: usize,
+        report: &mut WriteReport,
+    ) -> Result<Self, WriteError> {
+        let read = shape.source::<NiftiDocument>();
+        match read.and_then(|read| read.frame(kind, shape.n_vertices, n_channels, None)) {
+            Some(frame) => Ok(frame),
+            None => new_frame(shape, kind, n_channels, None, report),
+        }
+    }
+
+    fn write(self, field: &Field, c: &mut WriteContext<'_>) -> Result<(), WriteError> {
+        c.out.write_all(&self.head)?;
+        self.numbers.write(None, field, c.format, c.out, c.progress)?;
+        Ok(c.out.write_all(&self.tail)?)
+    }
+}
+
 impl SourceDocument for NiftiDocument {
     fn update(&self, shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<Update, WriteError> {
         let field = written_field(shape, c.format, &mut c.report)?;
-        let Self { head, old, tail, header, numbers } = self;
+        let Self { head, old, tail, numbers, .. } = self;
         let is_edited = shape.edited.contains(&field.name);
         let kind = shape.value_type.unwrap_or(numbers.kind);
         let has_own_kind = kind == numbers.kind;
@@ -56,29 +125,10 @@ impl SourceDocument for NiftiDocument {
             c.out.write_all(tail)?;
             return Ok(Update::Written);
         }
-        // Another type, or another number of channels: the rest of the header stays.
-        let mut sizes = header.sizes.clone();
-        if field.n_channels != numbers.n_planes {
-            sizes.truncate(3);
-            if field.n_channels > 1 {
-                sizes.resize(3, 1);
-                sizes.push(field.n_channels);
-            }
-            if field.n_channels as u64 > header.version.most() {
-                return Ok(Update::DoesNotFit);
-            }
-        }
-        let mut head = head.clone();
-        let mut editor = HeaderEditor { bytes: &mut head, version: header.version, order: header.order };
-        editor.set_value_type(kind);
-        if sizes != header.sizes {
-            editor.set_sizes(&sizes);
-            editor.set_frame_step(field.frame_step, header.units as u8);
-        }
-        c.out.write_all(&head)?;
-        let planes = planes(kind, header.order, shape.n_vertices, field.n_channels);
-        planes.write(None, field, c.format, c.out, c.progress)?;
-        c.out.write_all(tail)?;
+        let Some(frame) = self.frame(kind, shape.n_vertices, field.n_channels, field.frame_step) else {
+            return Ok(Update::DoesNotFit);
+        };
+        frame.write(field, c)?;
         Ok(Update::Written)
     }
 
@@ -92,22 +142,33 @@ fn planes(kind: ValueType, order: ByteOrder, n_places: usize, n_channels: usize)
     GridNumbers { n_planes: n_channels, ..GridNumbers::new(kind, order, n_places, 1) }
 }
 
-/// Writes a new file: NIfTI-1, or NIfTI-2 if an axis is too long for it.
+/// Writes a new file.
 pub(super) fn write_nifti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result<(), WriteError> {
     let field = written_field(shape, c.format, &mut c.report)?;
+    let kind = shape.value_type.unwrap_or(field.values.value_type());
+    new_frame(shape, kind, field.n_channels, field.frame_step, &mut c.report)?.write(field, c)
+}
+
+/// A new file: NIfTI-1, or NIfTI-2 if an axis is too long for it.
+fn new_frame(
+    shape: &ShapeFile,
+    kind: ValueType,
+    n_channels: usize,
+    frame_step: Option<f64>,
+    report: &mut WriteReport,
+) -> Result<NiftiFrame, WriteError> {
     let Some(layout) = shape.grid() else {
-        return Err(WriteError::CannotHold { format: c.format, what: "a shape".into() });
+        return Err(WriteError::CannotHold { format: Format::NIFTI, what: "a shape".into() });
     };
     let GridLayout { sizes, spacings, steps, origin, unit, .. } = layout;
     let mut sizes: Vec<usize> = sizes.iter().rev().copied().collect();
     let n_axes = sizes.len();
-    if field.n_channels > 1 {
+    if n_channels > 1 {
         sizes.resize(3, 1);
-        sizes.push(field.n_channels);
+        sizes.push(n_channels);
     }
     let is_short = sizes.iter().all(|&size| size as u64 <= Version::One.most());
     let version = if is_short { Version::One } else { Version::Two };
-    let kind = shape.value_type.unwrap_or(field.values.value_type());
     let mut head = NiftiHeader::new_bytes(version);
     let mut editor = HeaderEditor { bytes: &mut head, version, order: ByteOrder::Little };
     editor.set_value_type(kind);
@@ -128,10 +189,9 @@ pub(super) fn write_nifti(shape: &ShapeFile, c: &mut WriteContext<'_>) -> Result
     let codes = [(LengthUnit::METER, 1), (LengthUnit::MILLIMETER, 2), (LengthUnit::MICRON, 3)];
     let code = codes.iter().find(|(known, _)| Some(known) == unit.as_ref()).map(|(_, code)| *code);
     if let (None, Some(unit)) = (code, unit) {
-        c.report.report_dropped(format!("the unit of length, {}", unit.plural()));
+        report.report_dropped(format!("the unit of length, {}", unit.plural()));
     }
-    editor.set_frame_step(field.frame_step, code.unwrap_or(0));
-    c.out.write_all(&head)?;
-    let planes = planes(kind, ByteOrder::Little, shape.n_vertices, field.n_channels);
-    planes.write(None, field, c.format, c.out, c.progress)
+    editor.set_frame_step(frame_step, code.unwrap_or(0));
+    let numbers = planes(kind, ByteOrder::Little, shape.n_vertices, n_channels);
+    Ok(NiftiFrame { head, tail: Vec::new(), numbers })
 }
