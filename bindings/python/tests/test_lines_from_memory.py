@@ -101,7 +101,7 @@ def further_objects(names: dict[str, Any]) -> dict[str, Any]:
     return {
         **{"ct": ct, "ug": ug, "hills": hills, "om": open3d_mesh(V, F), "g": Graph(len(V), list(G.edges)), "x": f},
         **{"df": df, "xyz": V, "data": data, "edge_index": data.edge_index, "ds": lattice.to_dataset(), "Path": Path},
-        **{"pv": pyvista, "tV": Tensor(V), "tF": Tensor(F), "tf": Tensor(f)},
+        **{"bands": aw.decompose(poly, f, levels=3), "pv": pyvista, "tV": Tensor(V), "tF": Tensor(F), "tf": Tensor(f)},
     }
 
 

@@ -163,7 +163,7 @@ PRESETS = {
 }
 #: Former names of functions.
 FORMER = {"point_walk": "points"}
-#: Attributes of objects of other libraries, by the attribute here, with its arguments.
+#: Attributes of objects of other libraries, by the attribute here, with its arguments; ``[-1]`` is the last of the bands.
 _MEMBERS = {
     "write": "save export to_file write_mesh save_mesh dump",
     "n_vertices": "n_points n_verts num_vertices n_cells vertex_count n_samples nvertices num_nodes number_of_nodes N n",
@@ -180,6 +180,7 @@ _MEMBERS = {
     "decompose": "transform wavelets wavelet_transform dwt analyze split wavedec",
     "smooth": "diffuse blur gaussian heat apply gaussian_filter lowpass",
     "features": "keypoints detect blobs",
+    "[-1]": "residual residue rest base approximation approx coarse trend",
     "reconstruct": "inverse synthesize inverse_transform sum_bands",
     "select": "extract subset crop mask_vertices",
     "mean_length": "mean_edge_length avg_edge_length",

@@ -41,6 +41,11 @@ def unknown_attribute(name: str) -> str:
         and call.arguments
     ):
         return f"{start}; bands sum to their signal; write {call.arguments[0]}.reconstruct()"
+    if "time" in name.lower() or "temporal" in name.lower():
+        given = call.arguments[0] if call is not None and call.arguments else "series"
+        is_smooth = any(each in name.lower() for each in ("smooth", "filter", "denoise"))
+        method = "smooth" if is_smooth else "decompose"
+        return f"{start}; Time has the bands along an axis of frames; write aw.Time(dt=1, fwhm=4).{method}({given})"
     if ours is None:
         return f"{start}; help(aw) lists the functions"
     if call is None:
@@ -73,6 +78,8 @@ def unknown_member(kind: type, name: str) -> str:
     ours = MEMBER_OF.get(name, "")
     if ours.startswith("matrix") and "matrix" not in known and (call := written_call(name)) is not None:
         return f"{start}; the diffusion Φ₁ = I − L is a sparse matrix; write aw.Decomposer({call.prefix[:-1]}).matrix()"
+    if ours.startswith("["):
+        known = [*known, *([ours] if kind.__name__ == "Bands" else [])]
     if ours.partition("(")[0] not in known:
         close = get_close_matches(name, known, n=1, cutoff=0.7)
         ours = close[0] if close else ""
@@ -94,7 +101,7 @@ def unknown_member(kind: type, name: str) -> str:
     if name in ("toarray", "todense"):
         return f"{start}; write {owner}.matrix().{name}()"
     if ours.endswith(")") or not callable(getattr(kind, ours.partition("(")[0], None)):
-        call.is_made, call.function = False, f"{owner}.{ours}"
+        call.is_made, call.function = False, f"{owner}{ours}" if ours.startswith("[") else f"{owner}.{ours}"
     else:
         call.function, call.is_made = f"{owner}.{ours}", True
         if ours == "matrix":
