@@ -94,3 +94,58 @@ def test_scaled_counts_need_no_molecules() -> None:
     found = aw.impute(scaled)
     assert found.choice is not None
     assert _error(found.values, shares) < 0.4 * _error(scaled, shares)
+
+
+class _Annotated:
+    """What `aw.impute` reads of an AnnData."""
+
+    def __init__(self, X: np.ndarray, obs: dict[str, np.ndarray], **pairs: object) -> None:
+        self.X, self.obs, self.layers, self.obsm, self.obsp = X, obs, {}, {}, pairs
+        self.var_names = [f"g{gene}" for gene in range(X.shape[1])]
+
+
+def test_values_are_averaged_within_batches_alone() -> None:
+    _, counts = _cells(n=160, genes=40)
+    batch = np.array(["b", "a"])[np.arange(160) % 2]
+    cells = _Annotated(counts, {"sample": batch})
+    for steps in ("auto", "molecules", 3):
+        found = aw.impute(cells, steps=steps, walk="sample")
+        steps_between = found.walk.matrix().tocoo()
+        assert (batch[steps_between.row] == batch[steps_between.col]).all()
+        assert np.array_equal(found.values, aw.impute(counts, steps=steps, walk=batch).values)
+    # A batch knows nothing of the values of the other.
+    walk = aw.impute(counts, batch).walk
+    changed = np.where((batch == "a")[:, None], counts, 0.0)
+    both = [aw.impute(x, walk, steps=2).values[batch == "a"] for x in (counts, changed)]
+    assert np.array_equal(*both)
+    # Steps of a given graph to another batch are left out, and a cell without neighbors of its batch stays as it is.
+    pairs = scipy_sparse.csr_array([[0, 1, 1], [1, 0, 1], [1, 1, 0]])
+    small = _Annotated(np.array([[1.0], [3.0], [8.0]]), {"sample": np.array([0, 0, 1])}, connectivities=pairs)
+    assert aw.impute(small, "sample", steps=1).values.ravel().tolist() == [2.0, 2.0, 8.0]
+
+
+def test_library_sizes_are_those_of_a_key() -> None:
+    counts = np.array([[2.0, 1.0], [4.0, 2.0], [1.0, 3.0]])
+    sizes = np.array([10.0, 20.0, 40.0])
+    cells = _Annotated(counts, {"total_counts": sizes})
+    stay = aw.walk(np.eye(3))
+    found = aw.impute(cells, stay, steps=1, library_size="total_counts").values
+    assert np.array_equal(found, counts * (20.0 / sizes)[:, None])
+    assert np.array_equal(found, aw.impute(counts, stay, steps=1, library_size=sizes).values)
+    some = aw.impute(cells, stay, steps=1, library_size="total_counts", genes=["g1"]).values
+    assert np.array_equal(some, found[:, 1:])
+
+
+def test_keys_that_are_not_there_are_named_with_those_that_are() -> None:
+    cells = _Annotated(np.ones((3, 2)), {"total_counts": np.ones(3)})
+    stay = aw.walk(np.eye(3))
+    with pytest.raises(ValueError, match=r"walk: there is no 'sample', obs has \['total_counts'\]"):
+        aw.impute(cells, "sample", steps=1)
+    with pytest.raises(ValueError, match="library_size: there is no 'total', these counts have no obs"):
+        aw.impute(np.ones((3, 2)), stay, steps=1, library_size="total")
+    with pytest.raises(ValueError, match=r"walk must have a value for each of 3 cells, got shape \(2,\)"):
+        aw.impute(cells, ["a", "b"], steps=1)
+    with pytest.raises(ValueError, match="has none for cell 1"):
+        aw.impute(cells, ["a", None, "b"], steps=1)
+    with pytest.raises(ValueError, match=r"got -1\.0 for cell 2"):
+        aw.impute(cells, stay, steps=1, library_size=np.array([1.0, 1.0, -1.0]))

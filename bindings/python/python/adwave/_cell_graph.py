@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from adwave import _native
 from adwave._walk import Walk, point_walk
+from adwave._walk import walk as make_walk
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,38 @@ class CellGraph:
     losses: NDArray[np.float64]
 
 
-def choose_cell_graph(counts: Any, compared: ComparedValues) -> CellGraph | None:
-    """The graph and times for counts in compressed rows; None of few cells or genes."""
+def cell_walk(coordinates: NDArray[np.float64], neighbors: int, labels: NDArray[np.int64] | None) -> Walk:
+    """The walk to the nearest neighbors of cells, of the same batch if these are given by number."""
+    if labels is None:
+        return point_walk(coordinates, neighbors=neighbors)
+    from scipy.sparse import block_diag, csr_array
+
+    order = np.argsort(labels, kind="stable")
+    parts = np.split(coordinates[order], np.cumsum(np.bincount(labels))[:-1])
+    blocks = [
+        point_walk(part, neighbors=min(neighbors, len(part) - 1)).matrix() if len(part) > 1 else csr_array([[1.0]])
+        for part in parts
+    ]
+    place = np.argsort(order)
+    return make_walk(csr_array(block_diag(blocks, format="csr"))[place][:, place])
+
+
+def walk_within(walk: Walk, labels: NDArray[np.int64] | None) -> Walk:
+    """A walk whose steps between batches are left out; a cell without neighbors in its batch stays."""
+    if labels is None or len(labels) != walk.n_vertices:
+        return walk
+    if walk.normalization != "row":
+        raise ValueError(f"batch needs a walk whose rows sum to 1, got {walk.normalization} normalization")
+    steps = walk.matrix().tocoo()
+    is_within = labels[steps.row] == labels[steps.col]
+    from scipy.sparse import coo_array
+
+    kept = (steps.row[is_within], steps.col[is_within])
+    return make_walk(coo_array((steps.data[is_within], kept), shape=steps.shape), normalize="row")
+
+
+def choose_cell_graph(counts: Any, compared: ComparedValues, labels: NDArray[np.int64] | None) -> CellGraph | None:
+    """The graph and times for counts in compressed rows, with neighbors within batches; None of few cells or genes."""
     found = _native.choose_cell_graph(counts, compared)
     if found is None:
         return None
@@ -91,5 +122,5 @@ def choose_cell_graph(counts: Any, compared: ComparedValues) -> CellGraph | None
         ComparedGraph(*best), tuple(ComparedGraph(*graph) for graph in graphs), int(n_cells), int(n_held_back)
     )
     coordinates = _native.count_components(counts, choice.best.scaling, choice.best.components)
-    walk = point_walk(coordinates, neighbors=choice.best.neighbors)
+    walk = cell_walk(coordinates, choice.best.neighbors, labels)
     return CellGraph(walk, choice, np.array(steps, dtype=np.int64), np.array([np.inf, *losses]))

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
 from adwave._caller import public
-from adwave._cell_graph import CellGraph, ComparedValues, GraphChoice, choose_cell_graph
-from adwave._walk import Walk, as_walk, point_walk
+from adwave._cell_graph import CellGraph, ComparedValues, GraphChoice, cell_walk, choose_cell_graph, walk_within
+from adwave._walk import Walk, as_walk
 from adwave._walk import walk as make_walk
 
 #: Genes that are processed together.
@@ -88,7 +88,7 @@ def impute(
     *,
     genes: Sequence[int] | Sequence[str] | None = None,
     layer: str | None = None,
-    library_size: float | Literal["median"] | None = None,
+    library_size: float | Literal["median"] | str | ArrayLike | None = None,
     square_root: bool = False,
     seed: int = 0,
     precision: Literal["auto", "single", "double"] = "double",
@@ -104,9 +104,10 @@ def impute(
     ----------
     counts : (cells, genes) array, sparse matrix or AnnData
         Raw counts, finite. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
-    walk : Walk or graph, optional
+    walk : Walk, graph, key of obs or (cells,) labels, optional
         The walk, or anything that `adwave.walk` takes. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
-        other counts it is chosen, or with `steps` that of the 15 nearest neighbors in 50 principal components.
+        other counts it is chosen, or with `steps` that of the 15 nearest neighbors in 50 principal components. A key of ``obs``
+        or a label for each cell names batches: the walk is that without them, and neighbors are of the same batch only.
     steps : float, 'auto' or 'molecules'
         Number of steps t. ``"auto"`` chooses the graph and the times of the genes; of a given graph, of fewer than 50 cells or
         of fewer than 20 genes that vary it is ``"molecules"``: a tenth of the molecules is held back, and one time is taken
@@ -116,8 +117,9 @@ def impute(
         Columns of the result, by number or (of an AnnData) by name; all by default.
     layer : str, optional
         Layer of the AnnData.
-    library_size : float or 'median', optional
-        Sum to which the counts of each cell are scaled before diffusion.
+    library_size : float, 'median', key of obs or (cells,) array, optional
+        Sum to which the counts of each cell are scaled before diffusion. A key or an array has the sums that the cells had,
+        such as ``"total_counts"`` of all genes where these are some; they are scaled to the median.
     square_root : bool
         Takes square roots before diffusion; the result stays in square roots.
     seed : int
@@ -140,8 +142,11 @@ def impute(
     counts, names = _matrix(given, layer)
     if isinstance(steps, str) and steps not in ("auto", "molecules"):
         raise ValueError(f"steps must be a number, 'auto' or 'molecules', got {steps!r}")
-    own = _given_walk(given, walk, notes)
     n, n_genes = counts.shape
+    labels = None
+    if _names_batches(given, walk):
+        labels, walk = _batches(_of_cells(given, walk, "walk", n)), None
+    own = _given_walk(given, walk, labels, notes)
     if own is not None and n != own.n_vertices:
         hint = (
             "; it has a column per node, so it seems to be genes × cells: transpose it"
@@ -150,23 +155,27 @@ def impute(
         )
         raise ValueError(f"counts must have one row for each of {own.n_vertices} nodes, got shape {counts.shape}{hint}")
     chosen = _columns(genes, names, n_genes)
-    size, totals = _library_size(counts, library_size)
+    size, totals = _library_size(given, counts, library_size)
     cells = None
     if own is None and steps == "auto":
-        cells = _chosen_graph(counts, ComparedValues(size, square_root, int(seed)), notes)
+        cells = _chosen_graph(counts, ComparedValues(size, square_root, int(seed)), labels, notes)
         own = None if cells is None else cells.walk
     is_own_graph = own is None
     if own is None:
         notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
-        own = point_walk(principal_components(counts, N_COMPONENTS))
+        own = cell_walk(principal_components(counts, N_COMPONENTS), 15, labels)
     if cells is not None:
         errors, by_gene, steps = cells.losses, cells.steps[chosen].astype(np.float64), float(cells.choice.best.steps)
     else:
         errors = np.empty(0)
         if isinstance(steps, str):
-            steps, errors = _steps_by_molecules(
-                counts, own, is_own_graph, _Split(SHARE, size, int(seed), MOST_STEPS), notes
-            )
+            split = _Split(SHARE, size, int(seed), MOST_STEPS)
+            molecules = _sparse(counts)
+            # A graph of all molecules knows those that are held back, and the least error would be found too early.
+            judge = _walk_of_train(molecules, split.seed, labels) if is_own_graph else own
+            if not is_own_graph:
+                notes.append("time by the given graph: too short if the graph was made from these counts")
+            steps, errors = _steps_by_molecules(molecules, judge, split, notes)
         by_gene = np.full(len(chosen), float(steps))
     values = np.empty((n, len(chosen)))
     accuracy: tuple[str, float] = ("double", 0.0)
@@ -189,26 +198,66 @@ def impute(
     )
 
 
-def _library_size(counts: Any, library_size: float | str | None) -> tuple[float | None, NDArray[np.float64]]:
+def _of_cells(given: Any, values: object, name: str, n: int) -> NDArray[Any]:
+    """A value for each cell, of a key of ``obs`` or as given."""
+    if isinstance(values, str):
+        obs = getattr(given, "obs", {})
+        if values not in obs:
+            known = f"obs has {sorted(map(str, obs.keys()))}" if len(obs.keys()) else "these counts have no obs"
+            raise ValueError(f"{name}: there is no {values!r}, {known}; pass one of its keys or an array of {n} values")
+        values = obs[values]
+    found = np.asarray(values)
+    if found.shape != (n,):
+        raise ValueError(f"{name} must have a value for each of {n} cells, got shape {found.shape}")
+    return found
+
+
+def _names_batches(given: Any, walk: object) -> bool:
+    """True for a key of ``obs`` and for labels, which a walk, a graph and a shape are not."""
+    if isinstance(walk, str):
+        return hasattr(given, "obs")
+    is_array: bool = isinstance(walk, list | np.ndarray) or hasattr(walk, "iloc")
+    return is_array and np.ndim(walk) == 1  # type: ignore[arg-type]
+
+
+def _batches(given: NDArray[Any]) -> NDArray[np.int64]:
+    """Numbers of the batches from 0, in the order of their first cells."""
+    missing = np.flatnonzero([value is None or value != value for value in given])  # NaN too
+    if missing.size:
+        raise ValueError(f"walk must name the batch of each cell, and has none for cell {missing[0]} (from 0)")
+    _, first, found = np.unique(given.astype(str), return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[found].astype(np.int64)
+
+
+def _library_size(given: Any, counts: Any, library_size: object) -> tuple[float | None, NDArray[np.float64]]:
     """The sum to which cells are scaled, and the sums that they have."""
     if library_size is None:
         return None, np.zeros(counts.shape[0])
-    rows = _canonical_rows(counts)
-    _check_counts(rows, "library_size")
-    totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
+    is_number = not isinstance(library_size, str) and np.ndim(library_size) == 0  # type: ignore[arg-type]
+    if is_number or (isinstance(library_size, str) and library_size == "median"):
+        rows = _canonical_rows(counts)
+        _check_counts(rows, "library_size")
+        totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
+    else:
+        totals = _of_cells(given, library_size, "library_size", counts.shape[0]).astype(np.float64)
+        bad = np.flatnonzero(~(np.isfinite(totals) & (totals >= 0)))
+        if bad.size:
+            raise ValueError(
+                f"library_size must be finite and at least 0, got {totals[bad[0]]} for cell {bad[0]} (from 0)"
+            )
     positive = totals[totals > 0]
-    size = float(np.median(positive)) if library_size == "median" and positive.size else 1.0
-    if library_size != "median":
-        size = float(library_size)
+    size = float(library_size) if is_number else float(np.median(positive)) if positive.size else 1.0  # type: ignore[arg-type]
     if not size > 0 or not np.isfinite(size):
         raise ValueError(f"library_size must be greater than 0, got {library_size}")
     return size, totals
 
 
-def _chosen_graph(counts: Any, compared: ComparedValues, notes: list[str]) -> CellGraph | None:
+def _chosen_graph(
+    counts: Any, compared: ComparedValues, labels: NDArray[np.int64] | None, notes: list[str]
+) -> CellGraph | None:
     """The chosen graph of counts; None of few cells or genes."""
     _check_counts(counts, "the nearest neighbors in principal components")
-    found = choose_cell_graph(_sparse(counts), compared)
+    found = choose_cell_graph(_sparse(counts), compared, labels)
     if found is not None:
         best, choice = found.choice.best, found.choice
         notes.append(
@@ -219,14 +268,9 @@ def _chosen_graph(counts: Any, compared: ComparedValues, notes: list[str]) -> Ce
 
 
 def _steps_by_molecules(
-    counts: Any, own: Walk, is_own_graph: bool, split: _Split, notes: list[str]
+    molecules: _Counts, judge: Walk, split: _Split, notes: list[str]
 ) -> tuple[float, NDArray[np.float64]]:
     """The number of steps by molecules that are held back, and the error of 0, 1, 2, … steps."""
-    molecules = _sparse(counts)
-    # A graph of all molecules knows those that are held back, and the least error would be found too early.
-    judge = _walk_of_train(molecules, split.seed) if is_own_graph else own
-    if not is_own_graph:
-        notes.append("time by the given graph: too short if the graph was made from these counts")
     steps, errors, _, is_at_limit = judge._data.cross_validate(molecules, split)
     if is_at_limit:
         notes.append(f"the error still falls at {MOST_STEPS} steps, the most that were tried")
@@ -253,27 +297,27 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
     return counts, names
 
 
-def _walk_of_train(counts: _Counts, seed: int) -> Walk:
+def _walk_of_train(counts: _Counts, seed: int, labels: NDArray[np.int64] | None) -> Walk:
     """The walk to the nearest neighbors in principal components of the molecules that are not held back."""
     from scipy.sparse import csr_array
 
     train = _native.split_molecules(counts, SHARE, seed)
     shape = (len(counts.offsets) - 1, counts.n_channels)
     rows = csr_array((train, counts.columns.astype(np.int64), counts.offsets), shape=shape)
-    return point_walk(principal_components(rows, N_COMPONENTS))
+    return cell_walk(principal_components(rows, N_COMPONENTS), 15, labels)
 
 
-def _given_walk(X: Any, walk: object, notes: list[str]) -> Walk | None:
-    """The given walk, or that of an AnnData's neighbors; None if there is none."""
+def _given_walk(X: Any, walk: object, labels: NDArray[np.int64] | None, notes: list[str]) -> Walk | None:
+    """The given walk, or that of an AnnData's neighbors, within batches; None if there is none."""
     if walk is not None:
         return as_walk(walk)
     pairs, coordinates = getattr(X, "obsp", {}), getattr(X, "obsm", {})
     if "connectivities" in pairs:
         notes.append("walk on obsp['connectivities'], with loops of weight 1")
-        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0)
+        return walk_within(make_walk(pairs["connectivities"], normalize="row", self_loops=1.0), labels)
     if "X_pca" in coordinates:
         notes.append("walk to the 15 nearest neighbors in obsm['X_pca']")
-        return point_walk(coordinates["X_pca"])
+        return cell_walk(coordinates["X_pca"], 15, labels)
     return None
 
 
