@@ -75,7 +75,9 @@ pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use format::Format;
 #[cfg(feature = "neuro")]
 pub use formats::cifti::write::{CiftiColumns, CiftiPart, write_cifti_fields, write_cifti_parts};
-pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
+pub use formats::csv::read::{
+    CsvMatrix, parse_csv_fields, read_csv_fields, read_csv_fields_with, read_csv_matrix,
+};
 pub use formats::csv::write::write_csv_fields;
 #[cfg(feature = "more")]
 pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};

@@ -14,7 +14,8 @@ use adwave_graph::{
     WalkPowers, kernel_weights, nearest_lists,
 };
 use adwave_io::{
-    Direction, Edges, ShapeFile, ShapeKind, open_text, read_edge_rows, read_matrix_market, read_npy,
+    Direction, Edges, ShapeFile, ShapeKind, open_text, read_csv_matrix, read_edge_rows, read_matrix_market,
+    read_npy,
 };
 use serde_json::{Value, json};
 use std::io::BufRead;
@@ -333,11 +334,31 @@ fn read_graph(path: &Path, global: &Global<'_>) -> Result<CompressedRows<f64>, C
     Ok(list.weights)
 }
 
+/// Numbers of a table, row after row.
+pub(crate) struct NamedTable {
+    pub(crate) values: Vec<f64>,
+    pub(crate) n_columns: usize,
+    /// Names of the columns; empty if the file has none.
+    pub(crate) names: Vec<String>,
+}
+
 /// Reads a table of numbers with its number of columns.
 pub(crate) fn read_table(path: &Path, global: &Global<'_>) -> Result<(Vec<f64>, usize), CliError> {
+    read_named_table(path, global).map(|table| (table.values, table.n_columns))
+}
+
+/// Reads a table of numbers with the names of its columns.
+pub(crate) fn read_named_table(path: &Path, global: &Global<'_>) -> Result<NamedTable, CliError> {
+    if has_extension(&crate::output::without_gzip(path), &["csv", "tsv"]) {
+        global.inputs.add_file(path);
+        let table =
+            with_progress(global, "reading", |progress| read_csv_matrix(path, &global.limits, progress))
+                .map_err(CliError::input)?;
+        return Ok(NamedTable { values: table.values, n_columns: table.n_columns, names: table.names });
+    }
     if !has_extension(path, &["npy"]) {
         return Err(CliError::Input(format!(
-            "{}: tables of numbers are read from .npy (numpy.save), with a row for each node",
+            "{}: tables of numbers are read from .npy (numpy.save) and .csv, with a row for each node",
             path.display()
         )));
     }
@@ -348,5 +369,5 @@ pub(crate) fn read_table(path: &Path, global: &Global<'_>) -> Result<(Vec<f64>, 
         return Err(CliError::Input(text));
     }
     let n_columns = array.shape.get(1).copied().unwrap_or(1);
-    Ok((array.values.to_f64(), n_columns))
+    Ok(NamedTable { values: array.values.to_f64(), n_columns, names: Vec::new() })
 }

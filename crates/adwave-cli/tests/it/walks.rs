@@ -23,6 +23,7 @@ fn count(node: usize, gene: usize) -> f64 {
 fn write_ring(folder: &Path) {
     let at = |name: &str| folder.join(name);
     let (mut edges, mut entries, mut counts) = (String::new(), String::new(), String::new());
+    let (mut named, mut bare) = (",CD4,g1,g2\n".to_owned(), String::new());
     for x in 0..N {
         writeln!(edges, "{x} {}", (x + 1) % N).unwrap();
         for y in [(x + 1) % N, (x + N - 1) % N] {
@@ -31,10 +32,15 @@ fn write_ring(folder: &Path) {
         for g in 0..GENES {
             writeln!(counts, "{} {} {}", x + 1, g + 1, count(x, g)).unwrap();
         }
+        let row = format!("{},{},{}", count(x, 0), count(x, 1), count(x, 2));
+        writeln!(named, "{x},{row}").unwrap();
+        writeln!(bare, "{row}").unwrap();
     }
     let banner = "%%MatrixMarket matrix coordinate real general\n";
     fs::write(at("ring.txt"), edges).unwrap();
     fs::write(at("ring.mtx"), format!("{banner}{N} {N} {}\n{entries}", 2 * N)).unwrap();
+    fs::write(at("cells.csv"), named.replace("\n", "\r\n")).unwrap();
+    fs::write(at("counts.csv"), bare).unwrap();
     fs::write(at("counts.mtx"), format!("{banner}{N} {GENES} {}\n{counts}", N * GENES)).unwrap();
     let values: Vec<f64> = (0..N * GENES).map(|i| count(i / GENES, i % GENES)).collect();
     write_npy(&at("counts.npy"), &[N, GENES], ArrayValues::F64(&values)).unwrap();
@@ -75,7 +81,7 @@ fn imputed_counts_are_those_of_powers_of_the_walk() {
     for _ in 0..3 {
         expected = step(&expected, 1.0);
     }
-    for counts in ["counts.npy", "counts.mtx"] {
+    for counts in ["counts.npy", "counts.mtx", "counts.csv", "cells.csv"] {
         for graph in ["--graph ring.txt", "--graph ring.mtx"] {
             json(path, &format!("impute {counts} -o i.npy {graph} --time 3"));
             assert_near(&read(path, "i.npy"), &expected);
@@ -84,6 +90,19 @@ fn imputed_counts_are_those_of_powers_of_the_walk() {
     json(path, "impute counts.npy -o one.npy --graph ring.txt --time 3 --genes 2");
     let gene: Vec<f64> = expected.iter().copied().skip(2).step_by(GENES).collect();
     assert_near(&read(path, "one.npy"), &gene);
+    json(path, "impute cells.csv -o one.npy --graph ring.txt --time 3 --genes g2");
+    assert_near(&read(path, "one.npy"), &gene);
+    let text = fs::read_to_string(path.join("cells.csv")).unwrap();
+    for (from, to, named) in [
+        ("\r\n2,", "\r\n2,x", "line 4: column CD4 must have a number, got \"x"),
+        ("\r\n2,", "\r\n2,,", "same number of cells"),
+    ] {
+        fs::write(path.join("wrong.csv"), text.replacen(from, to, 1)).unwrap();
+        let error = refused(path, "impute wrong.csv -o o.npy --graph ring.txt --time 3");
+        assert!(error.contains("wrong.csv") && error.contains(named), "{error}");
+    }
+    let error = refused(path, "impute cells.csv -o o.npy --graph ring.txt --time 3 --genes CD8A");
+    assert!(error.contains("the names of its columns"), "{error}");
     let chosen = adwave(path).args(words("impute counts.npy -o i.npy --graph ring.txt --json")).assert();
     let output = chosen.success().get_output().clone();
     assert!(

@@ -12,7 +12,7 @@ use crate::output::{
     write_file_with,
 };
 use crate::resolve::walk::{
-    ResolvedWalk, WalkDefaults, accuracy_json, in_file, load_walk, read_matrix, read_table,
+    NamedTable, ResolvedWalk, WalkDefaults, accuracy_json, in_file, load_walk, read_matrix, read_named_table,
     single_precision_line,
 };
 use adwave::bands::Precision;
@@ -35,7 +35,8 @@ const PRINTED_TIMES: usize = 12;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-COUNTS is a matrix of cells × genes: .npy (numpy.save), a sparse .mtx, or the X or a layer of an .h5ad (AnnData).
+COUNTS is a matrix of cells × genes: .npy (numpy.save), .csv with or without names of the cells and genes, a sparse
+.mtx, or the X or a layer of an .h5ad (AnnData).
 The result is .npy, cells × genes, 64-bit floats; of an .h5ad also a copy of it, .h5ad, with the result as X.
 Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca.
 Without these, and of other files, the graph is chosen: some genes are held back, and graphs of several numbers of
@@ -54,7 +55,7 @@ Examples:
   adwave impute counts.mtx -o imputed.npy --graph neighbors.mtx --library-size median --sqrt
   adwave impute counts.mtx -o imputed.npy --walk walk.mtx --time 3 --genes 0,17,42")]
 pub(crate) struct ImputeArgs {
-    /// Matrix of cells × genes (.npy, .h5ad or .mtx, also .mtx.gz)
+    /// Matrix of cells × genes (.npy, .csv, .h5ad or .mtx, also .mtx.gz)
     #[arg(value_name = "COUNTS")]
     pub(crate) counts: PathBuf,
     /// File for the result (.npy, or .h5ad of an .h5ad)
@@ -63,7 +64,7 @@ pub(crate) struct ImputeArgs {
     /// Number of steps, or auto
     #[arg(long, value_name = "T", default_value = "auto")]
     pub(crate) time: String,
-    /// Genes of the result, columns counted from 0, of an .h5ad also names [default: all]
+    /// Genes of the result, columns counted from 0, of an .h5ad or .csv also names [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
     pub(crate) genes: Option<Vec<String>>,
     /// Layer of an .h5ad that has the counts [default: X]
@@ -90,7 +91,7 @@ pub(crate) struct ImputeArgs {
 
 /// Values of the matrix as read.
 enum LoadedCounts {
-    Dense { values: Vec<f64>, n_channels: usize },
+    Dense(NamedTable),
     Sparse(CompressedRows<f64>),
     InFile(CellsFile, AnnDataMatrix),
 }
@@ -98,8 +99,8 @@ enum LoadedCounts {
 impl LoadedCounts {
     fn matrix(&self) -> CountMatrix<'_> {
         match self {
-            Self::Dense { values, n_channels } => {
-                CountMatrix { values: CountValues::Dense(values), n_channels: *n_channels }
+            Self::Dense(table) => {
+                CountMatrix { values: CountValues::Dense(&table.values), n_channels: table.n_columns }
             }
             Self::Sparse(matrix) => {
                 CountMatrix { values: CountValues::Sparse(matrix), n_channels: matrix.n_columns() }
@@ -114,12 +115,17 @@ impl LoadedCounts {
             return cells.genes(args);
         }
         let Some(genes) = &args.genes else { return Ok(None) };
+        let names: &[String] = if let Self::Dense(table) = self { &table.names } else { &[] };
         let column = |gene: &String| {
-            gene.trim().parse::<usize>().map_err(|_| {
-                CliError::Input(format!(
-                    "--genes: genes of {} are columns counted from 0 (names need an .h5ad), got {gene}",
-                    args.counts.display()
-                ))
+            let named = names.iter().position(|name| name == gene.trim());
+            named.or_else(|| gene.trim().parse().ok()).ok_or_else(|| {
+                let known = if names.is_empty() {
+                    "columns counted from 0 (names need an .h5ad, or a .csv with a row of names)"
+                } else {
+                    "the names of its columns, or columns counted from 0"
+                };
+                let path = args.counts.display();
+                CliError::Input(format!("--genes: genes of {path} are {known}, got {gene}"))
             })
         };
         Ok(Some(genes.iter().map(column).collect::<Result<_, _>>()?))
@@ -263,7 +269,7 @@ fn check_files(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError> {
     let is_anndata = has_extension(&args.counts, &["h5ad"]);
     if has_extension(&args.counts, &["h5", "loom"]) {
         return Err(CliError::Input(format!(
-            "{}: counts are read from .npy, .mtx and .h5ad; convert it by anndata (read_loom, read_10x_h5, write_h5ad)",
+            "{}: counts are read from .npy, .csv, .mtx and .h5ad; convert it by anndata (read_loom, read_10x_h5, write_h5ad)",
             args.counts.display()
         )));
     }
@@ -303,8 +309,7 @@ fn load_counts(args: &ImputeArgs, global: &Global<'_>) -> Result<LoadedCounts, C
     if has_extension(&without_gzip(path), &["mtx"]) {
         return Ok(LoadedCounts::Sparse(read_matrix(path, global)?));
     }
-    let (values, n_channels) = read_table(path, global)?;
-    Ok(LoadedCounts::Dense { values, n_channels })
+    Ok(LoadedCounts::Dense(read_named_table(path, global)?))
 }
 
 fn library_size(args: &ImputeArgs, matrix: &CountMatrix<'_>) -> Result<Option<f64>, CliError> {
