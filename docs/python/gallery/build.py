@@ -28,7 +28,13 @@ GROUPS = {
         "what_changed",
     ),
     "Geometry": ("simplify_within_a_bound", "bend_and_keep_detail", "carry_detail"),
-    "Graphs, cells, learning": ("roads_without_noise", "cells_in_order", "tell_graphs_apart", "learn_the_gains"),
+    "Graphs, cells, learning": (
+        "roads_without_noise",
+        "cells_in_order",
+        "tell_graphs_apart",
+        "labels_from_a_few",
+        "learn_the_gains",
+    ),
     "Brains": ("thickness_of_the_cortex", "a_brain_without_noise"),
     "The Earth, the sky, time": (
         "the_earth_by_scale",
