@@ -28,7 +28,7 @@ pub(crate) struct WalkArgs {
     /// The walk as given: a matrix (.mtx) whose rows, diagonal included, are at least 0 and sum to 1
     #[arg(long, value_name = "FILE")]
     pub(crate) walk: Option<PathBuf>,
-    /// Points of any dimension (.npy, n × d): steps go to their nearest neighbors
+    /// Points of any dimension (.npy or .csv, n × d): steps go to their nearest neighbors
     #[arg(long, value_name = "FILE")]
     pub(crate) points: Option<PathBuf>,
     /// Points: number of nearest neighbors [default: 15]

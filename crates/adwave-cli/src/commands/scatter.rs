@@ -26,7 +26,7 @@ Examples:
   adwave scatter --graph edges.txt --field x.npy -o features.npy --pool moments
   adwave scatter --points cells.npy --field genes.npy -o features.npy --scales 1,2,4 --orders 1")]
 pub(crate) struct ScatterArgs {
-    /// Field with a row for each node (.npy)
+    /// Field with a row for each node (.npy or .csv)
     #[arg(long, value_name = "FILE")]
     pub(crate) field: PathBuf,
     /// File for the coefficients (.npy)
@@ -41,7 +41,7 @@ pub(crate) struct ScatterArgs {
     /// Statistics over the nodes of each graph
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Pooling>())]
     pub(crate) pool: Option<Pooling>,
-    /// Graph of each node, counted from 0, for --pool of several graphs (.npy) [default: one graph]
+    /// Graph of each node, counted from 0, for --pool of several graphs (.npy or .csv) [default: one graph]
     #[arg(long, value_name = "FILE", requires = "pool")]
     pub(crate) batch: Option<PathBuf>,
     /// Number format of the products
