@@ -117,11 +117,14 @@ struct TableColumns {
 fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<TableColumns, ReadError> {
     let first_line = &bytes[..crate::text::line_end(bytes, 0)];
     let delimiter = [b'\t', b';', b','].into_iter().find(|d| first_line.contains(d)).unwrap_or(b',');
+    let body = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .delimiter(delimiter)
         .trim(csv::Trim::All)
-        .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+        .from_reader(body);
+    // The position after `\r\n` is that before `\n`, on the line before.
+    let line_at = |at: &csv::Position| at.line() + u64::from(body.get(at.byte() as usize) == Some(&b'\n'));
     let mut names: Vec<String> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut words: Vec<Option<(u64, String)>> = Vec::new();
@@ -132,11 +135,11 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ta
             Ok(true) => {}
             Ok(false) => break,
             Err(error) => {
-                let line = error.position().map_or(0, csv::Position::line);
+                let line = error.position().map_or(0, line_at);
                 return Err(ReadError::Line { line, message: row_error(&error) });
             }
         }
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = record.position().map_or(0, line_at);
         let cells: Vec<Option<f64>> = record.iter().map(number).collect();
         if columns.is_empty() {
             columns = vec![Vec::new(); cells.len()];
