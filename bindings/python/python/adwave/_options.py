@@ -22,7 +22,7 @@ _UNIT = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*[A-Za-zµμ]+\s*")
 
 Length = Union[float, str]
 """A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``; the width of a level on
-a sphere about the origin may be an arc, ``"5deg"``."""
+a sphere about the origin may be an arc, ``"5deg"``, or ``"100km/6371"`` on a sphere of that radius."""
 
 SignalLike = Union[str, ArrayLike, None]
 """A signal: None for the coordinates, the name of a signal, or an (n,) or (n, channels) array."""

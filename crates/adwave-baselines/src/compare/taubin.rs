@@ -19,7 +19,7 @@ fn gain(semigroup: Semigroup, n: f64, k: f64) -> f64 {
     match semigroup {
         Semigroup::Steps => (1.0 - k / 2.0).max(0.0).powf(n),
         Semigroup::PlainSteps => (1.0 - k).abs().powf(n),
-        Semigroup::Heat { rate } => (-0.5 * rate * n * k).exp(),
+        Semigroup::Heat { rate, dispersion } => (-0.5 * rate * n * k * (1.0 + 0.5 * dispersion * k)).exp(),
     }
 }
 
@@ -28,7 +28,11 @@ fn half_gain_frequency(semigroup: Semigroup, n: f64) -> f64 {
     let k = match semigroup {
         Semigroup::Steps => 2.0 * (1.0 - (-1.0 / n).exp2()),
         Semigroup::PlainSteps => 1.0 - (-1.0 / n).exp2(),
-        Semigroup::Heat { rate } => 2.0 * std::f64::consts::LN_2 / (rate * n),
+        Semigroup::Heat { rate, dispersion } => {
+            let exponent = std::f64::consts::LN_2 / (rate * n);
+            // The positive root u of u + dispersion·u² = exponent, with k = 2u.
+            4.0 * exponent / (1.0 + (1.0 + 4.0 * dispersion * exponent).sqrt())
+        }
     };
     k.clamp(1e-6, 1.9)
 }
@@ -84,7 +88,11 @@ mod tests {
 
     #[test]
     fn half_is_half() {
-        for semigroup in [Semigroup::Steps, Semigroup::Heat { rate: 7.0 }] {
+        for semigroup in [
+            Semigroup::Steps,
+            Semigroup::Heat { rate: 7.0, dispersion: 0.0 },
+            Semigroup::Heat { rate: 7.0, dispersion: 0.5 },
+        ] {
             assert!(
                 (gain(semigroup, 32.0, half_gain_frequency(semigroup, 32.0)) - 0.5).abs() < 1e-12,
                 "{semigroup:?}"

@@ -25,8 +25,8 @@ pub(crate) struct LevelArgs {
     /// a mesh or a grid 1e-4]
     #[arg(long, value_name = "E", value_parser = number)]
     pub(crate) accuracy: Option<f64>,
-    /// Levels with these widths σ, increasing, in model units, in % of the diagonal, or in degrees on a sphere (5deg).
-    /// σ is the root mean square distance that a value spreads to: σ/√2 along each axis of a surface, and a full width
+    /// Levels with these widths σ, increasing, in model units, in % of the diagonal, or on a sphere in degrees (5deg) or
+    /// in km of a stated radius (100km/6371). σ is the root mean square distance that a value spreads to: σ/√2 along each axis of a surface, and a full width
     /// at half maximum of 1.665 σ
     #[arg(
         long,
@@ -37,8 +37,8 @@ pub(crate) struct LevelArgs {
         conflicts_with_all = ["levels", "voices"]
     )]
     pub(crate) lengths: Option<Vec<Length>>,
-    /// Levels with these full widths at half maximum, increasing, in model units, in % of the diagonal, or in degrees
-    /// on a sphere (5deg): --lengths of FWHM/1.665
+    /// Levels with these full widths at half maximum, increasing, in model units, in % of the diagonal, or on a sphere
+    /// in degrees (5deg) or in km of a stated radius (100km/6371): --lengths of FWHM/1.665
     #[arg(
         long,
         value_name = "L,L,…",

@@ -78,11 +78,17 @@ pub(crate) fn length(text: &str) -> Result<Length, String> {
     })
 }
 
-/// Reads the width of a level: a length, or an arc of a sphere such as `5deg`.
+/// Reads the width of a level: a length, or an arc of a sphere such as `5deg` or `100km/6371`.
 pub(crate) fn width(text: &str) -> Result<Length, String> {
     match Length::parse_width(text) {
         Ok(arc @ Length::Degrees(_)) => Ok(arc),
-        _ => length(text),
+        _ => length(text).map_err(|error| match text.trim().strip_suffix("km") {
+            Some(_) => format!(
+                "{error}, or {}/6371 on a sphere of that radius in km, such as the earth",
+                text.trim()
+            ),
+            None => error,
+        }),
     }
 }
 

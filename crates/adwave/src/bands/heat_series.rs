@@ -5,7 +5,10 @@
 //! with z = s/2 and the modified Bessel functions I_k (`abramowitz1964`, 9.6.34). The numbers `e^(−z)I_k(z)` are
 //! the probabilities of a symmetric walk with steps at random times, so all coefficients of q are positive and sum
 //! to b − a, as for whole steps.
+//!
+//! With dispersion d the exponent is `x + dx²`, and `q = (e^(−a(x+dx²)) − e^(−b(x+dx²)))/x` is interpolated.
 
+use super::real_series::interpolant;
 use super::series::{Growth, NEGLIGIBLE, Series, double_tails};
 
 /// Relative distance of two times below which the band is integrated numerically, because differences would cancel.
@@ -18,8 +21,23 @@ const N_NODES: usize = 16;
 /// wrong start has no effect.
 const MARGIN: f64 = 25.0;
 
-/// The series of the band between the times `a < b`. O(√b) terms.
-pub(crate) fn band(a: f64, b: f64, growth: Growth) -> Series {
+/// Terms of a series with dispersion beyond those that the time without it takes.
+const MORE_TERMS: usize = 32;
+
+/// Quotient of the end and the start of a part of a long band with dispersion.
+const CUT: f64 = 64.0;
+
+/// Exponent at which heat counts as gone, far below rounding.
+const VANISHED: f64 = 60.0;
+
+/// Rounding of the coefficients of a series with dispersion, relative to their sum; the last terms are no more.
+const ROUNDED_SUM: f64 = 2e-15;
+
+/// The series of the band between the times `a < b`. O(√b) terms; with dispersion O(b) operations.
+pub(crate) fn band(a: f64, b: f64, dispersion: f64, growth: Growth) -> Series {
+    if dispersion > 0.0 {
+        return dispersed_band(a, b, dispersion, growth);
+    }
     let mut q: Vec<f64> = Vec::new();
     if b - a < CLOSE * a {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
@@ -42,6 +60,33 @@ pub(crate) fn band(a: f64, b: f64, growth: Growth) -> Series {
     }
     for q in q.iter_mut().skip(1) {
         *q *= 2.0;
+    }
+    Series::new(q, growth)
+}
+
+/// [`band`] with dispersion, by interpolation at as many points as leave rounding alone. A long band is cut at
+/// 1/[`CUT`] of its end: of what follows a cut, only few points near x = 0 differ from 0.
+fn dispersed_band(a: f64, b: f64, dispersion: f64, growth: Growth) -> Series {
+    let mut q: Vec<f64> = Vec::new();
+    let mut end = b;
+    while end > a {
+        let start = if end > CUT { a.max(end / CUT) } else { a };
+        let value = |_, x: f64| {
+            let exponent = x + dispersion * x * x;
+            let before = start * exponent;
+            if before > VANISHED { 0.0 } else { (-before).exp() * -(-(end - start) * exponent).exp_m1() / x }
+        };
+        let part = interpolant(heat_law(end * (1.0 + dispersion)).len() + MORE_TERMS, value);
+        q.resize(q.len().max(part.len()), 0.0);
+        for (q, part) in q.iter_mut().zip(part) {
+            *q += part;
+        }
+        end = start;
+    }
+    let least = ROUNDED_SUM * q.iter().map(|q| q.abs()).sum::<f64>();
+    let mut omitted = 0.0;
+    while q.last().is_some_and(|last| omitted + last.abs() <= least) {
+        omitted += q.pop().map_or(0.0, f64::abs);
     }
     Series::new(q, growth)
 }
@@ -153,12 +198,49 @@ mod tests {
             (1e4, 1.1e4),
         ];
         for (a, b) in bands {
-            let series = band(a, b, Growth::Bounded);
+            let series = band(a, b, 0.0, Growth::Bounded);
             assert!(series.coefficients.iter().all(|&c| c >= 0.0), "{a}..{b}");
             for i in 0..=60 {
                 let lambda = 1.0 - (f64::from(i) / 60.0).powi(3);
                 let (found, exact) = (value(&series, lambda), exact(a, b, lambda));
                 assert!((found - exact).abs() <= 1e-12 * (b - a), "{a}..{b} at {lambda}: {found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_series_with_dispersion_is_the_quotient() {
+        let bands = [
+            (0.0, 1e-3),
+            (0.0, 0.5),
+            (1.0, 2.0),
+            (10.0, 10.001),
+            (0.0, 70.0),
+            (0.0, 1e4),
+            (1e4, 1.1e4),
+            (0.0, 1e7),
+        ];
+        for (a, b) in bands {
+            for d in [1e-3, 0.4, 0.5, 3.0] {
+                let series = band(a, b, d, Growth::Bounded);
+                for i in 0..=60 {
+                    let x = (f64::from(i) / 60.0).powi(3);
+                    let decay = x * (1.0 + d * x);
+                    let exact =
+                        if x == 0.0 { b - a } else { (-a * decay).exp() * -(-(b - a) * decay).exp_m1() / x };
+                    let found = value(&series, 1.0 - x);
+                    // acos and multiples of it lose digits near x = 0.
+                    assert!(
+                        (found - exact).abs() <= 3e-12 * (b - a),
+                        "{a}..{b}, {d} at {x}: {found} {exact}"
+                    );
+                }
+                let plain = band(a, b, 0.0, Growth::Bounded).degree();
+                assert!(
+                    series.degree() <= 2 * plain + MORE_TERMS,
+                    "{a}..{b}, {d}: {} for {plain}",
+                    series.degree()
+                );
             }
         }
     }

@@ -218,15 +218,16 @@ const COEFFICIENTS_AT_A_TIME: usize = 64;
 
 /// Series in T_k(2λ − 1) of the polynomial of degree n − 1 with the values `value(λ, 1 − λ)` at the zeros of T_n(2λ
 /// − 1). O(n²).
-fn interpolant(n: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+pub(super) fn interpolant(n: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let cosines: Vec<f64> = (0..4 * n).map(|i| (0.5 * PI * i as f64 / n as f64).cos()).collect();
-    let values: Vec<f64> = (0..n)
+    let mut values: Vec<f64> = (0..n)
         .map(|i| {
             let half = 0.25 * PI * (2 * i + 1) as f64 / n as f64;
             // λ and 1 − λ without cancellation.
             value(half.cos().powi(2), half.sin().powi(2))
         })
         .collect();
+    values.truncate(values.iter().rposition(|value| *value != 0.0).map_or(0, |last| last + 1));
     let coefficient = |k: usize| {
         let mut at = k;
         let mut sum = 0.0;

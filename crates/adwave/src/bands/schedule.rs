@@ -28,8 +28,7 @@ pub enum ScheduleError {
     NoLevels,
     /// The number of steps of a level is below [`MIN_STEPS`] or not a number.
     #[error(
-        "level {level} has {} steps; a level must have a finite number of them, at least {MIN_STEPS}, or the width of an \
-         eighth of a step; take a wider level, or a finer shape",
+        "level {level} has {} steps; a level must have a finite number of them, at least {MIN_STEPS}; ask for more",
         format_number(*.steps)
     )]
     NoSteps {
@@ -37,6 +36,21 @@ pub enum ScheduleError {
         level: usize,
         /// Number of steps of the level.
         steps: f64,
+    },
+    /// A level is narrower than the width of [`MIN_STEPS`].
+    #[error(
+        "level {level} has the width σ = {}{unit}, but the narrowest here is σ = {}{unit}, a full width at half maximum of {}{unit}; take a wider level, or a finer shape",
+        format_rounded(*.sigma), format_rounded(*.least), format_rounded(FWHM * .least)
+    )]
+    TooNarrow {
+        /// The level, from 1.
+        level: usize,
+        /// σ of the level in the unit.
+        sigma: f64,
+        /// The smallest σ in the unit.
+        least: f64,
+        /// The unit in which the width was asked for: `°`, `%` of the diagonal, or nothing for model units.
+        unit: &'static str,
     },
     /// A level does not have more steps than the one before it.
     #[error("level {level} has {steps} steps, not more than the {before} of level {}; steps must increase", .level - 1)]
@@ -84,6 +98,16 @@ impl crate::ClassifiedError for ScheduleError {
     fn kind(&self) -> crate::ErrorKind {
         crate::ErrorKind::Input
     }
+}
+
+/// Formats a number with three digits, rounded up, so that a smallest number is no less than it was.
+fn format_rounded(number: f64) -> String {
+    if !(number.is_finite() && number > 0.0) {
+        return number.to_string();
+    }
+    let unit = 10.0_f64.powi(number.log10().floor() as i32 - 2);
+    let rounded = (number / unit - 1e-9).ceil() * unit;
+    format_number(format!("{rounded:.2e}").parse().unwrap_or(rounded))
 }
 
 /// Formats a number with few digits at any magnitude.
@@ -195,6 +219,10 @@ impl Schedule {
                 return Err(ScheduleError::BadLength { index, length, step_length });
             }
             before = length;
+            if n < MIN_STEPS {
+                let least = MIN_STEPS.sqrt() * step_length;
+                return Err(ScheduleError::TooNarrow { level: index + 1, sigma: length, least, unit: "" });
+            }
             let whole = n.round();
             steps.push(if (n - whole).abs() <= WHOLE * n { whole } else { n });
         }

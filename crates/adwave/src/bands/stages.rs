@@ -59,7 +59,7 @@ impl Transform {
     pub(super) fn stages(&self, schedule: &Schedule) -> Vec<Stage> {
         let steps = schedule.steps_from_zero();
         let rate = match self.operator().semigroup() {
-            Semigroup::Heat { rate } => rate,
+            Semigroup::Heat { rate, .. } => rate,
             Semigroup::Steps | Semigroup::PlainSteps => 1.0,
         };
         // A part of a fractional power would be a small fractional power, which converges slowly.

@@ -348,7 +348,9 @@ impl Transform {
         match self.operator.semigroup() {
             Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
             Semigroup::PlainSteps => plain_series::band(pair[0] as u64, pair[1] as u64, growth),
-            Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
+            Semigroup::Heat { rate, dispersion } => {
+                heat_series::band(rate * pair[0], rate * pair[1], dispersion, growth)
+            }
         }
     }
 

@@ -175,12 +175,24 @@ impl LevelSpec {
             Self::Widths(widths) => {
                 let sigma = |width: &Length| decomposer.model_units(*width).ok_or(ScheduleError::NoSphere);
                 let sigma: Vec<f64> = widths.iter().map(sigma).collect::<Result<_, _>>()?;
-                let schedule = Schedule::lengths(&sigma, decomposer.operator().step_length())?;
+                let schedule = Schedule::lengths(&sigma, decomposer.operator().step_length())
+                    .map_err(|error| in_asked_unit(error, widths))?;
                 let reason = format!("{}, of the widths asked for", count_levels(schedule.n_levels()));
                 Ok(ResolvedLevels { schedule, reason })
             }
         }
     }
+}
+
+/// An error with widths in the unit in which they were asked for.
+fn in_asked_unit(error: ScheduleError, widths: &[Length]) -> ScheduleError {
+    let ScheduleError::TooNarrow { level, sigma, least, unit } = error else { return error };
+    let (asked, unit) = match widths[level - 1] {
+        Length::Units(width) => (width, unit),
+        Length::PercentOfDiagonal(percent) => (percent, "%"),
+        Length::Degrees(angle) => (angle, "°"),
+    };
+    ScheduleError::TooNarrow { level, sigma: asked, least: least / sigma * asked, unit }
 }
 
 /// Refuses widths that are no lengths or do not increase.

@@ -27,7 +27,7 @@ use crate::operator::{
 use crate::parallel::expect_not_cancelled;
 use crate::region::{Length, MetricEdges, SurfaceMetric};
 use crate::rows::CompressedRows;
-use crate::shape::{Adjacency, Health, NoShape, PreparedGeometry, Shape, VertexMap, health};
+use crate::shape::{Adjacency, Health, NoShape, PreparedGeometry, Shape, VertexMap, health, sphere_radius};
 use crate::signal::{CloseSheets, OutwardError, OutwardNormals, close_sheets, outward_normals};
 use crate::{Cancelled, Progress};
 use creases::respect_creases;
@@ -472,13 +472,7 @@ impl Decomposer {
     /// Radius of the sphere about the origin on which all places lie, to 1e-5 of it, in model units; `None` if there is
     /// none. O(n).
     pub fn sphere_radius(&self) -> Option<f64> {
-        let norm = |p: &[f64; 3]| p[0].hypot(p[1]).hypot(p[2]);
-        let radii = self.positions().iter().map(norm);
-        let (low, high) =
-            radii.fold((f64::INFINITY, 0.0_f64), |(low, high), radius| (low.min(radius), high.max(radius)));
-        // Steps of 32-bit floats and of rounded text.
-        (low > 0.0 && low <= high && high.is_finite() && high - low <= 1e-5 * high)
-            .then_some(0.5 * (low + high))
+        sphere_radius(self.positions())
     }
 
     /// A width in model units; `None` for an arc if the places lie on no sphere about the origin. O(n) for an arc.

@@ -27,7 +27,7 @@ impl Decomposer {
     pub fn spectral_range(&self) -> f64 {
         match self.operator().semigroup() {
             // The mean square of a step in both directions of the surface is four times the time of heat.
-            Semigroup::Heat { rate } => 4.0 * rate / self.operator().step_length().powi(2),
+            Semigroup::Heat { rate, .. } => 4.0 * rate / self.operator().step_length().powi(2),
             _ => 2.0,
         }
     }

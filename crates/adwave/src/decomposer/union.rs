@@ -212,6 +212,8 @@ struct UnionHeat {
     /// Root mean square length of a step: the shortest of the parts.
     step_length: f64,
     rate: f64,
+    /// Dispersion that is made up for in all parts.
+    dispersion: f64,
 }
 
 #[derive(Debug)]
@@ -234,10 +236,17 @@ impl UnionHeat {
         let step_length = if shortest.is_finite() { shortest } else { 1.0 };
         let steps = |transform: &Transform| (step_length / length(transform)).powi(2);
         let rate_of = |transform: &Transform| match transform.operator().semigroup() {
-            Semigroup::Heat { rate } => steps(transform) * rate,
+            Semigroup::Heat { rate, .. } => steps(transform) * rate,
             _ => 0.0,
         };
         let rate = transforms.iter().flatten().map(rate_of).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+        let dispersion_of = |transform: &Transform| match transform.operator().semigroup() {
+            // Relative to the union's I − Φ₁.
+            Semigroup::Heat { dispersion, .. } => dispersion * rate / rate_of(transform),
+            _ => 0.0,
+        };
+        let dispersion = transforms.iter().flatten().map(dispersion_of).fold(f64::INFINITY, f64::min);
+        let dispersion = if dispersion.is_finite() { dispersion } else { 0.0 };
         let n_rows = rows.last().map_or(0, |rows| rows.end);
         let mut weights = Vec::with_capacity(n_rows);
         for (transform, rows) in transforms.iter().zip(rows) {
@@ -253,7 +262,13 @@ impl UnionHeat {
             rows: rows.clone(),
             transform,
         };
-        Self { parts: transforms.into_iter().zip(rows).map(part).collect(), weights, step_length, rate }
+        Self {
+            parts: transforms.into_iter().zip(rows).map(part).collect(),
+            weights,
+            step_length,
+            rate,
+            dispersion,
+        }
     }
 }
 
@@ -294,7 +309,7 @@ impl Operator for UnionHeat {
     }
 
     fn semigroup(&self) -> Semigroup {
-        Semigroup::Heat { rate: self.rate }
+        Semigroup::Heat { rate: self.rate, dispersion: self.dispersion }
     }
 
     fn step_length(&self) -> f64 {

@@ -66,7 +66,7 @@ impl Operator for GridHeat {
     }
 
     fn semigroup(&self) -> Semigroup {
-        Semigroup::Heat { rate: self.rate() }
+        Semigroup::Heat { rate: self.rate(), dispersion: 0.0 }
     }
 
     fn step_length(&self) -> f64 {

@@ -109,11 +109,13 @@ pub enum Semigroup {
     /// The power `Qⁿ`, `Q = 2Φ₁ − I`: n steps of a walk that need not stay where it is. Its eigenvalues are in
     /// [−1, 1], so n must be whole.
     PlainSteps,
-    /// The exponential `exp(−n·rate·(I − Φ₁))`: heat after n times the time of a step. As a walk, it takes steps of
-    /// Φ₁ at random times, `rate` per step on average.
+    /// The exponential `exp(−n·rate·(U + dispersion·U²))`, `U = I − Φ₁`: heat after n times the time of a step. Without
+    /// dispersion it is a walk that takes steps of Φ₁ at random times, `rate` per step on average.
     Heat {
         /// Mean number of steps of Φ₁ per step.
         rate: f64,
+        /// Dispersion of short waves that is made up for, ≥ 0: on a mesh of a sphere about the origin; elsewhere 0.
+        dispersion: f64,
     },
 }
 

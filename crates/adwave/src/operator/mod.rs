@@ -4,6 +4,7 @@
 mod density;
 mod difference_steps;
 mod diffusion;
+mod dispersion;
 mod given;
 mod guided;
 mod interface;

@@ -50,18 +50,31 @@ impl Length {
         }
     }
 
-    /// Reads the width of a level: a length as in [`FromStr`](std::str::FromStr), or an arc such as `5deg`.
+    /// Reads the width of a level: a length as in [`FromStr`](std::str::FromStr), an arc such as `5deg`, or an arc of a
+    /// sphere of a stated radius, such as `100km/6371` for 100 km on the earth.
     ///
     /// ```
     /// use adwave::region::Length;
     /// assert_eq!(Length::parse_width("5deg"), Ok(Length::Degrees(5.0)));
     /// assert_eq!(Length::parse_width("2%"), Ok(Length::PercentOfDiagonal(2.0)));
-    /// assert!(Length::parse_width("5km").is_err());
+    /// let Length::Degrees(angle) = Length::parse_width("100km/6371")? else { panic!("an arc") };
+    /// assert!((angle.to_radians() - 100.0 / 6371.0).abs() < 1e-15);
+    /// assert!(Length::parse_width("5km").is_err()); // of which sphere?
+    /// # Ok::<(), adwave::region::RegionSyntaxError>(())
     /// ```
     ///
     /// # Errors
     /// [`RegionSyntaxError::NotALength`] for other text.
     pub fn parse_width(text: &str) -> Result<Self, RegionSyntaxError> {
+        if let Some((arc, radius)) = text.split_once("km/") {
+            let radius = radius.trim().trim_end_matches("km");
+            return match (arc.parse()?, radius.parse()?) {
+                (Self::Units(arc), Self::Units(radius)) if radius > 0.0 => {
+                    Ok(Self::Degrees((arc / radius).to_degrees()))
+                }
+                _ => Err(RegionSyntaxError::NotALength(text.trim().to_owned())),
+            };
+        }
         match text.trim().strip_suffix("deg").or_else(|| text.trim().strip_suffix('°')) {
             Some(angle) if !angle.trim_end().ends_with('%') => match angle.parse()? {
                 Self::Units(angle) => Ok(Self::Degrees(angle)),

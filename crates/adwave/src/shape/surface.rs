@@ -48,6 +48,16 @@ pub(crate) fn try_vertex_normals(
     })
 }
 
+/// Radius of the sphere about the origin on which all points lie, to 1e-5 of it; `None` if there is none. O(n).
+pub(crate) fn sphere_radius(points: &[[f64; 3]]) -> Option<f64> {
+    let norm = |p: &[f64; 3]| p[0].hypot(p[1]).hypot(p[2]);
+    let radii = points.iter().map(norm);
+    let (low, high) =
+        radii.fold((f64::INFINITY, 0.0_f64), |(low, high), radius| (low.min(radius), high.max(radius)));
+    // Steps of 32-bit floats and of rounded text.
+    (low > 0.0 && low <= high && high.is_finite() && high - low <= 1e-5 * high).then_some(0.5 * (low + high))
+}
+
 /// Area of the surface in squared units of `points`. O(triangles).
 pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     parallel::sum(triangles.len(), |f| {

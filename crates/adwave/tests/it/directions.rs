@@ -71,7 +71,7 @@ fn a_plane_keeps_constant_directions_to_the_last_bit() {
 fn eigenvalues(directions: &Directions, n_values: usize) -> Vec<f64> {
     let decomposer = directions.decomposer();
     let (operator, n) = (decomposer.operator(), decomposer.n_places());
-    let Semigroup::Heat { rate } = operator.semigroup() else { panic!("heat") };
+    let Semigroup::Heat { rate, .. } = operator.semigroup() else { panic!("heat") };
     let mean_area = 4.0 * PI / n as f64;
     let per_time = rate / (mean_area / (4.0 * 3.0_f64.sqrt()));
     let n_vectors = 2 * n_values + 24;

@@ -128,7 +128,7 @@ impl<'a> Fast<'a> {
 
     /// `rate·(I − Φ₁)`, of which heat takes the exponential.
     pub(crate) fn heat_generator(&self) -> Matrix {
-        let Semigroup::Heat { rate } = self.decomposer.operator().semigroup() else { panic!("no heat") };
+        let Semigroup::Heat { rate, .. } = self.decomposer.operator().semigroup() else { panic!("no heat") };
         let mut generator = self.diffusion();
         for (x, row) in generator.iter_mut().enumerate() {
             let others: f64 = row.iter().enumerate().filter(|&(y, _)| y != x).map(|(_, w)| w).sum();

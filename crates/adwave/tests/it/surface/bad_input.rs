@@ -51,7 +51,7 @@ fn check(name: &str, shape: &Shape) -> (Decomposer, Bands) {
     for feature in features(&decomposer, &wavelets, &FeatureParams::default(), Progress::none()).unwrap() {
         assert!(feature.response.is_finite(), "{name}");
     }
-    let Semigroup::Heat { rate } = phi.semigroup() else { panic!("{name}: no heat") };
+    let Semigroup::Heat { rate, .. } = phi.semigroup() else { panic!("{name}: no heat") };
     let n_jumps = rate * f64::from(1 << (LEVELS - 1));
     for vertex in (0..n).step_by((n / 7).max(1)) {
         let functions = decomposer.basis_of_vertex(vertex, &schedule, Progress::none()).unwrap();

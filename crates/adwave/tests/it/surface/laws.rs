@@ -104,7 +104,7 @@ fn check_bands(name: &str, decomposer: &Decomposer) {
     let map = decomposer.vertex_map();
     let content = |f: &[f64]| map.mean(f, 1).iter().zip(pi).map(|(v, p)| v * p).sum::<f64>();
     let top = largest(map.mean(&f, 1));
-    let Semigroup::Heat { rate } = decomposer.operator().semigroup() else { panic!("{name}: no heat") };
+    let Semigroup::Heat { rate, .. } = decomposer.operator().semigroup() else { panic!("{name}: no heat") };
     for j in 1..=7 {
         let level = bands.scaling(j);
         for (x, v) in level.iter().enumerate() {
@@ -173,7 +173,7 @@ fn a_hundred_thousand_jumps_of_heat_keep_its_content() {
 #[test]
 fn rounding_does_not_grow_with_the_number_of_jumps() {
     let decomposer = decomposer(&needles());
-    let Semigroup::Heat { rate } = decomposer.operator().semigroup() else { panic!("no heat") };
+    let Semigroup::Heat { rate, .. } = decomposer.operator().semigroup() else { panic!("no heat") };
     let (f, pi) = (noise(5, 3), decomposer.rows("a test").unwrap().stationary());
     let map = decomposer.vertex_map();
     let content = |f: &[f64]| map.mean(f, 1).iter().zip(pi).map(|(v, p)| v * p).sum::<f64>();
