@@ -64,6 +64,28 @@ def main():
         ):
             report.check(f"nibabel {name}", lambda name=name, truth=truth: {"values": same_values(adwave.field(surface, folder / name, folder), truth)})
 
+        def labels_written(name):
+            """Labels after `filter --as-labels`, with the names and colors of the annotation."""
+            target = folder / name
+            adwave.run("filter", surface, "-o", target, "--signal", folder / "lh.parts.annot", "--as-labels", "--preset", "smooth", "-j", "3")
+            names, colors = ["a", "b", "c"], table[:, :3] / 255
+            if name.endswith(".annot"):
+                keys, found, found_names = fs.read_annot(target)
+                return {"names": [x.decode() for x in found_names] == names, "colors": np.array_equal(found[:, :3], table[:, :3]), "keys": set(keys) <= {-1, 0, 1, 2}}
+            if name.endswith(".gii"):
+                image = nib.load(target)
+                keys, entries = image.darrays[0].data, {x.key: (x.label, x.rgba) for x in image.labeltable.labels}
+            else:
+                image = nib.load(target)
+                entries = image.header.get_axis(0).label[0]
+                keys = image.get_fdata()[0]
+            found = [entries[k] for k in range(3)]
+            near = np.abs(np.array([x[1][:3] for x in found]) - colors).max() < 1e-6
+            return {"names": [x[0] for x in found] == names, "colors": bool(near), "keys": set(keys) <= set(entries)}
+
+        for name in ("lh.smooth.annot", "lh.smooth.label.gii", "lh.smooth.dlabel.nii"):
+            report.check(f"adwave {name} read by nibabel", lambda name=name: labels_written(name))
+
         left = np.zeros(n, bool)
         left[3:] = True
         models = BrainModelAxis.from_mask(left, "CortexLeft") + BrainModelAxis.from_mask(np.ones(50, bool), "CortexRight")

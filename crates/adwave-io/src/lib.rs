@@ -82,6 +82,8 @@ pub use formats::csv::write::write_csv_fields;
 #[cfg(feature = "more")]
 pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
 #[cfg(feature = "neuro")]
+pub use formats::freesurfer::annotation::write_annotation;
+#[cfg(feature = "neuro")]
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 #[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
@@ -114,6 +116,7 @@ pub use model::face_cells::FaceCells;
 pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;
 pub use model::grid_layout::{GRID_VALUES, GridLayout};
+pub use model::label_table::{LabelEntry, LabelTable};
 pub use model::moved_attributes::{MovedAttributes, MovedNormals};
 pub use model::partial::FileRows;
 pub use model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};

@@ -5,6 +5,7 @@ use crate::model::brain_layout::BRAIN_VALUES;
 use crate::model::field::COORDS;
 use crate::model::format_descriptor::SurfaceSize;
 use crate::model::grid_layout::GRID_VALUES;
+use crate::model::label_table::LabelTable;
 use crate::registry::values::read_value_file;
 use crate::unknown::{UnknownValue, mark_unknown};
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
@@ -76,6 +77,8 @@ pub struct NamedSignal {
     pub channel_names: Vec<String>,
     /// Seconds from one channel to the next, if the file says that the channels are frames.
     pub frame_step: Option<f64>,
+    /// Names and colors of the labels in each channel, if a file has them; else empty.
+    pub labels: Vec<Option<Arc<LabelTable>>>,
     /// Numbers of a field that stand for unknown values (see [`mark_unknown`]), in whose places `values` has NaN.
     pub unknown: Vec<UnknownValue>,
 }
@@ -104,7 +107,8 @@ impl Deref for SignalValues {
 impl NamedSignal {
     /// A signal of these values, all of them known.
     pub fn new(n_channels: usize, values: SignalValues) -> Self {
-        Self { n_channels, values, channel_names: Vec::new(), frame_step: None, unknown: Vec::new() }
+        let (channel_names, labels, unknown) = (Vec::new(), Vec::new(), Vec::new());
+        Self { n_channels, values, channel_names, frame_step: None, labels, unknown }
     }
 
     /// Signal of a field, in which unknown values are NaN.
@@ -112,7 +116,15 @@ impl NamedSignal {
         let mut values = field.to_f64();
         let unknown = mark_unknown(&mut values, field.n_channels);
         let frame_step = field.frame_step;
-        Self { frame_step, unknown, ..Self::new(field.n_channels, SignalValues::Other(values)) }
+        let labels =
+            if field.labels.is_some() { vec![field.labels.clone(); field.n_channels] } else { Vec::new() };
+        Self { frame_step, labels, unknown, ..Self::new(field.n_channels, SignalValues::Other(values)) }
+    }
+
+    /// Names and colors of the labels that all channels share, if they do.
+    pub fn shared_labels(&self) -> Option<Arc<LabelTable>> {
+        let first = self.labels.first()?.clone()?;
+        self.labels.iter().all(|labels| labels.as_ref() == Some(&first)).then_some(first)
     }
 
     /// Puts the numbers that stand for unknown values back among `values`, in places that are NaN.
@@ -219,10 +231,13 @@ pub fn named_signal(
         _ => {}
     }
     let n_vertices = shape.n_vertices();
-    if let Some(FileField { field, channel_names }) =
+    if let Some(FileField { field, channel_names, labels }) =
         values_of_file(name, file.structure(), file.n_file_rows())?
     {
-        let signal = |field: Field| NamedSignal { channel_names, ..NamedSignal::from_field(&field) };
+        let signal = |field: Field| {
+            let signal = NamedSignal { channel_names, ..NamedSignal::from_field(&field) };
+            if labels.is_empty() { signal } else { NamedSignal { labels, ..signal } }
+        };
         if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
             return Ok(signal(rows.select(&field)));
         }
@@ -318,6 +333,8 @@ pub(crate) struct FileField {
     pub(crate) field: Field,
     /// Names of the channels, if they are columns of a table.
     channel_names: Vec<String>,
+    /// Names and colors of the labels in each channel, if they differ between these.
+    labels: Vec<Option<Arc<LabelTable>>>,
 }
 
 /// Reads a field of another file; `:NAME` selects one of several. Files of values without an extension of their own
@@ -353,14 +370,19 @@ pub(crate) fn values_of_file(
             let known = names.join(", ");
             return Err(NamedSignalError::Unknown(format!("{path} has no '{column}'; use {known}")));
         };
-        let alone = |field| FileField { field, channel_names: Vec::new() };
+        let alone = |field| FileField { field, channel_names: Vec::new(), labels: Vec::new() };
         return Ok(fields.into_iter().nth(at).map(alone));
     }
     // Columns without names are numbered.
     let has_names = names.iter().any(|name| name.parse::<usize>().is_err());
     let is_table = has_names && matches!(kind(path), Some(".csv" | ".tsv"));
-    let channel_names = if is_table { names.into_iter().map(str::to_owned).collect() } else { Vec::new() };
-    Ok(Some(FileField { field: join_channels(path, &fields)?, channel_names }))
+    let labels: Vec<_> =
+        fields.iter().flat_map(|field| std::iter::repeat_n(field.labels.clone(), field.n_channels)).collect();
+    let has_labels = labels.iter().any(Option::is_some);
+    let keeps_names = is_table || has_labels && labels.len() > 1;
+    let channel_names = if keeps_names { names.into_iter().map(str::to_owned).collect() } else { Vec::new() };
+    let labels = if has_labels { labels } else { Vec::new() };
+    Ok(Some(FileField { field: join_channels(path, &fields)?, channel_names, labels }))
 }
 
 /// Joins all fields of a file as the channels of one field.

@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 VALUES are signals of the sphere FROM: files (GIFTI, CIFTI, FreeSurfer's curv, annot, label and MGH,
 NPY, CSV), one for each hemisphere, or one CIFTI for both. Give --from and --to once for each
 hemisphere, in the order of the values; the two spheres of a hemisphere must be in register.
-OUT is a file for each hemisphere (.gii, .npy, .csv, .dscalar.nii, .dtseries.nii), or one CIFTI for
-both.
+OUT is a file for each hemisphere (.gii, .npy, .csv, .annot, .dscalar.nii, .dtseries.nii, .dlabel.nii),
+or one CIFTI for both. Labels keep their names and colors in .gii, .annot and .dlabel.nii.
 
 Weights are barycentric both ways and corrected by area, as Connectome Workbench's ADAP_BARY_AREA.
 NaN is no value. One connected piece of exact zeros is taken as the medial wall of a field, and does
@@ -29,7 +29,7 @@ not bleed into the rest.
 
 Examples:
   adwave resample lh.thickness --from lh.sphere.reg --to L.sphere.surf.gii -o L.thickness.shape.gii
-  adwave resample lh.yeo7.annot --from lh.sphere.reg --to L.sphere.surf.gii -o L.yeo7.npy
+  adwave resample lh.yeo7.annot --from lh.sphere.reg --to L.sphere.surf.gii -o L.yeo7.label.gii
   adwave resample lh.area --from lh.sphere.reg --to L.sphere.surf.gii -o L.area.gii --keep sum
   adwave resample lh.thickness rh.thickness --from lh.sphere.reg --from rh.sphere.reg \\
     --to L.sphere.surf.gii --to R.sphere.surf.gii -o thickness.dscalar.nii")]
@@ -126,17 +126,25 @@ fn check_counts(args: &ResampleArgs) -> Result<(), CliError> {
     let is_one_cifti = matches!(&args.output[..], [path] if ValuesFile::is_cifti(path));
     if args.output.len() != n && !is_one_cifti {
         return Err(CliError::Input(format!(
-            "-o must name a file for each of the {n} hemispheres, or one .dscalar.nii or .dtseries.nii, got {}",
+            "-o must name a file for each of the {n} hemispheres, or one .dscalar.nii, .dtseries.nii or .dlabel.nii, got \
+             {}",
             count(args.output.len(), "file", "files")
         )));
     }
     for path in &args.output {
         if !matches!(
             ValuesFile::from_path(path),
-            Some(ValuesFile::Npy | ValuesFile::Csv | ValuesFile::Gifti | ValuesFile::Cifti(_))
+            Some(
+                ValuesFile::Npy
+                    | ValuesFile::Csv
+                    | ValuesFile::Gifti
+                    | ValuesFile::Cifti(_)
+                    | ValuesFile::Annotation
+            )
         ) {
             return Err(CliError::Input(format!(
-                "{}: values are written as .npy, .csv, .gii, .dscalar.nii or .dtseries.nii",
+                "{}: values are written as .npy, .csv, .gii, .dscalar.nii or .dtseries.nii, labels also as .annot or \
+                 .dlabel.nii",
                 path.display()
             )));
         }
@@ -182,7 +190,8 @@ fn resample(args: &ResampleArgs, k: usize, global: &Global<'_>) -> Result<Hemisp
 
 /// Labels for files of labels, else means.
 fn usual_keep(name: &str, signal: &Signal) -> Keep {
-    let is_label = labels_of_field(name, signal.n_channels, &signal.values).is_some();
+    let has_names = !signal.labels.is_empty() && signal.labels.iter().all(Option::is_some);
+    let is_label = has_names || labels_of_field(name, signal.n_channels, &signal.values).is_some();
     if is_label { Keep::Labels } else { Keep::Mean }
 }
 
@@ -252,7 +261,11 @@ impl Hemisphere {
         if n > 1 && self.signal.channel_names.len() == n {
             let column = |c: usize| values.iter().skip(c).step_by(n).copied().collect::<Vec<f64>>();
             let names = self.signal.channel_names.iter().enumerate();
-            return names.map(|(c, name)| Field::new(name.clone(), 1, whole(&column(c)))).collect();
+            let of_channel = |c: usize| self.signal.labels.get(c).cloned().flatten();
+            let labels = |c: usize| of_channel(c).filter(|_| self.keep == Keep::Labels);
+            return names
+                .map(|(c, name)| Field::new(name.clone(), 1, whole(&column(c))).with_labels(labels(c)))
+                .collect();
         }
         let name = crate::inputs::last_component(&self.values);
         let name = name.rsplit(':').next().unwrap_or(name);
@@ -263,7 +276,8 @@ impl Hemisphere {
             Some((before, _)) if !before.is_empty() => before.to_owned(),
             _ => name.to_owned(),
         };
-        vec![Field::new(name, n, whole(values)).with_frame_step(self.signal.frame_step)]
+        let labels = self.signal.shared_labels().filter(|_| self.keep == Keep::Labels);
+        vec![Field::new(name, n, whole(values)).with_frame_step(self.signal.frame_step).with_labels(labels)]
     }
 
     /// The quantity that is kept, before and after: the mean by area, the sum, the integral, or the number of labels.

@@ -8,8 +8,8 @@ use crate::resolve::applicable::article;
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, MovedNormals, ShapeFile, Subset,
-    ValueType, keep_left_out_values, named_axis, with_axis, written_signal,
+    COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, LabelTable, MovedNormals, ShapeFile,
+    Subset, ValueType, keep_left_out_values, named_axis, with_axis, written_signal,
 };
 use std::path::Path;
 
@@ -66,10 +66,12 @@ impl<'a> ResultFile<'a> {
     ) -> EditedSignal {
         signal.restore_unknown(&mut values);
         let is_alone = ValuesFile::choose_for_edited_signal(self.path, name, file).is_some();
+        // Names of labels fit values that are labels still.
+        let labels = signal.shared_labels().filter(|labels| are_labels(labels, &values));
         match named_axis(file, name).filter(|_| !is_alone) {
             Some(axis) => EditedSignal::Points(with_axis(file.points(), axis, &values)),
             None => EditedSignal::Field {
-                field: written_signal(file, name, signal.n_channels, values),
+                field: written_signal(file, name, signal.n_channels, values).with_labels(labels),
                 channel_names: signal.channel_names.clone(),
             },
         }
@@ -137,12 +139,20 @@ impl<'a> ResultFile<'a> {
     }
 }
 
+/// True if all values are labels of the table, or no label.
+fn are_labels(labels: &LabelTable, values: &[f64]) -> bool {
+    let is_label =
+        |v: &f64| v.is_nan() || *v == -1.0 || v.fract() == 0.0 && labels.entry(*v as i32).is_some();
+    values.iter().all(is_label)
+}
+
 /// Refuses a file of shapes for values of an image or a volume, and the other way round.
 pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
     let kind = ValuesFile::choose(path, &input.file);
     if input.file.brain().is_some() {
-        let own = CiftiColumns::from_path(Path::new(&input.name));
+        let own = CiftiColumns::from_path(Path::new(&input.name)).filter(|own| *own != CiftiColumns::Labels);
         let fits = match kind {
+            Some(ValuesFile::Cifti(CiftiColumns::Labels)) => false,
             Some(ValuesFile::Cifti(columns)) => own.is_none_or(|own| own == columns),
             Some(ValuesFile::Npy | ValuesFile::Csv) => true,
             _ => false,

@@ -1,5 +1,5 @@
-//! Files that hold values and no shape: `.npy`, `.csv`, `.gii`, `.dscalar.nii` and `.dtseries.nii`, and images and
-//! volumes for values on the places of another one.
+//! Files that hold values and no shape: `.npy`, `.csv`, `.gii`, `.annot`, `.dscalar.nii`, `.dtseries.nii` and
+//! `.dlabel.nii`, and images and volumes for values on the places of another one.
 
 use super::{clone_for_output, has_extension, note, write_file, write_file_with, write_shape};
 use crate::error::CliError;
@@ -7,7 +7,8 @@ use crate::global::Global;
 use adwave::pages::zeros;
 use adwave_io::{
     ArrayValues, BRAIN_VALUES, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile,
-    ValueType, rewrite_values, write_cifti_fields, write_csv_fields, write_gifti_fields, write_npy,
+    ValueType, WriteError, rewrite_values, write_annotation, write_cifti_fields, write_csv_fields,
+    write_gifti_fields, write_npy,
 };
 use rayon::prelude::*;
 use std::path::Path;
@@ -23,6 +24,8 @@ pub(crate) enum ValuesFile {
     Gifti,
     /// Dense scalars or series of one structure.
     Cifti(CiftiColumns),
+    /// Labels of one structure with their names and colors.
+    Annotation,
     /// An image or a volume with the places of the one that was read.
     Grid,
 }
@@ -32,6 +35,9 @@ impl ValuesFile {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         if has_extension(path, &["npy"]) {
             return Some(Self::Npy);
+        }
+        if has_extension(path, &["annot"]) {
+            return Some(Self::Annotation);
         }
         if let Some(columns) = CiftiColumns::from_path(path) {
             return Some(Self::Cifti(columns));
@@ -114,6 +120,7 @@ impl ValuesFile {
         write_file_with(global, path, |path| match self {
             Self::Npy => write_array(path, &fields, file),
             Self::Csv => write_csv_fields(path, &fields),
+            Self::Annotation => write_one_annotation(path, &fields),
             Self::Gifti | Self::Cifti(_) | Self::Grid => write_gifti_fields(path, &fields, file.structure()),
         })
     }
@@ -146,6 +153,17 @@ impl ValuesFile {
             }
         }
         self.write(global, path, &[field], file)
+    }
+}
+
+/// Writes the labels of the one field as an annotation.
+fn write_one_annotation(path: &Path, fields: &[Field]) -> Result<(), WriteError> {
+    match fields {
+        [field] => write_annotation(path, field),
+        _ => write_annotation(
+            path,
+            &Field::new("values", count_channels(fields), FieldValues::F64(join(fields))),
+        ),
     }
 }
 
@@ -199,7 +217,7 @@ pub(crate) fn write_field(
 
 /// The channels of all fields beside each other, one row for each vertex; of an image or a volume, an axis for each of
 /// its axes.
-fn write_array(path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), adwave_io::WriteError> {
+fn write_array(path: &Path, fields: &[Field], file: &ShapeFile) -> Result<(), WriteError> {
     let n = fields.first().map_or(0, Field::len);
     let n_channels = count_channels(fields);
     let mut shape = file.grid().map_or_else(|| vec![n], |grid| grid.sizes.clone());

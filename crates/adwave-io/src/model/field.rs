@@ -2,7 +2,9 @@
 
 use adwave::{Cancelled, Progress};
 
+use crate::model::label_table::LabelTable;
 use crate::progress::report_row;
+use std::sync::Arc;
 
 /// Name of the coordinates as a signal.
 pub const COORDS: &str = "coords";
@@ -339,6 +341,8 @@ pub struct Field {
     pub values: FieldValues,
     /// Seconds from one channel to the next, if the file says that the channels are frames.
     pub frame_step: Option<f64>,
+    /// Names and colors of the labels that the values are, if the file has them.
+    pub labels: Option<Arc<LabelTable>>,
 }
 
 impl Field {
@@ -351,7 +355,7 @@ impl Field {
             n_channels > 0 && values.len().is_multiple_of(n_channels),
             "values must form complete rows of at least one channel"
         );
-        Self { name: name.into(), n_channels, values, frame_step: None }
+        Self { name: name.into(), n_channels, values, frame_step: None, labels: None }
     }
 
     /// This field with channels that are frames, one every `frame_step` seconds; a step that is no positive number is
@@ -360,6 +364,12 @@ impl Field {
     pub fn with_frame_step(self, frame_step: Option<f64>) -> Self {
         let frame_step = frame_step.filter(|step| step.is_normal() && *step > 0.0 && self.n_channels > 1);
         Self { frame_step, ..self }
+    }
+
+    /// This field with names and colors of its labels.
+    #[must_use]
+    pub fn with_labels(self, labels: Option<Arc<LabelTable>>) -> Self {
+        Self { labels, ..self }
     }
 
     /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions,
@@ -398,7 +408,7 @@ impl Field {
         if n_channels == 0 || !found.is_multiple_of(n_channels) {
             return Err(crate::ShapeFileError::FieldValues { name, found, n_channels });
         }
-        Ok(Self { name, n_channels, values, frame_step: None })
+        Ok(Self { name, n_channels, values, frame_step: None, labels: None })
     }
 
     /// Replaces the numbers and keeps the type: integer types round and saturate.
@@ -418,7 +428,7 @@ impl Field {
         with_values!(&mut values, v => for &x in numbers {
             v.push(Number::from_f64(x));
         });
-        Self { name: self.name.clone(), values, ..*self }
+        Self { name: self.name.clone(), values, labels: self.labels.clone(), ..*self }
     }
 
     /// Number of vertices (or faces).

@@ -20,6 +20,7 @@ pub(crate) mod grid_values;
 pub(crate) mod grouping;
 #[cfg(feature = "print3d")]
 pub(crate) mod instances;
+pub(crate) mod label_table;
 pub(crate) mod moved_attributes;
 pub(crate) mod numbers;
 pub(crate) mod partial;

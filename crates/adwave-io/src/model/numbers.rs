@@ -198,7 +198,7 @@ pub(crate) fn filled(field: &Field, n: usize) -> Field {
     }
     let values =
         fill!(U8: 0, I8: 0, U16: 0, I16: 0, U32: 0, I32: 0, U64: 0, I64: 0, F32: f32::NAN, F64: f64::NAN);
-    Field { name: field.name.clone(), values, ..*field }
+    Field { name: field.name.clone(), values, labels: field.labels.clone(), ..*field }
 }
 
 /// Appends a list of the same type; returns `false` if the types differ.

@@ -89,7 +89,8 @@ impl FileRows {
         let n = self.n_rows * field.n_channels;
         let float = match &field.values {
             FieldValues::F32(_) | FieldValues::F64(_) => field.clone(),
-            values => Field::new(field.name.clone(), field.n_channels, FieldValues::F64(values.to_f64())),
+            values => Field::new(field.name.clone(), field.n_channels, FieldValues::F64(values.to_f64()))
+                .with_labels(field.labels.clone()),
         };
         let values = match (&float.values, old.filter(fits)) {
             (FieldValues::F32(_), Some(old)) => {
@@ -119,7 +120,7 @@ fn scattered(field: &Field, rows: &[u32], mut values: FieldValues) -> Field {
         };
     }
     scatter!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
-    Field { name: field.name.clone(), values, ..*field }
+    Field { name: field.name.clone(), values, labels: field.labels.clone(), ..*field }
 }
 
 /// File that a shape is a part of.

@@ -208,7 +208,7 @@ pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
         };
     }
     select!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
-    Field { name: field.name.clone(), values, ..*field }
+    Field { name: field.name.clone(), values, labels: field.labels.clone(), ..*field }
 }
 
 /// Numbers equal keys equally, from 0 in the order of their first occurrence.

@@ -1,8 +1,8 @@
 //! Files of values on surfaces, written anew and into copies of files that exist.
 
 use adwave_io::{
-    CiftiColumns, Field, FieldValues, ReadLimits, read_gifti_fields, read_surface_values, rewrite_values,
-    write_cifti_fields, write_gifti_fields,
+    CiftiColumns, Field, FieldValues, LabelEntry, LabelTable, ReadLimits, read_gifti_fields,
+    read_surface_values, rewrite_values, write_annotation, write_cifti_fields, write_gifti_fields,
 };
 use std::fs;
 use std::path::Path;
@@ -190,4 +190,71 @@ fn arrays_of_a_gifti_keep_intents_names_and_metadata() {
     assert_eq!(written.matches("NIFTI_INTENT_TIME_SERIES").count(), 3);
     assert_eq!(written.matches("<Value>2.5</Value>").count(), 3);
     assert!(!rewrite(&old, None, &values(30, 2), &new));
+}
+
+/// Names and colors of the labels 0, 3 and 7.
+fn label_table() -> LabelTable {
+    let entry = |(k, key): (usize, i32)| {
+        let color = [f32::from(40 * (k as u8 + 1)) / 255.0, 1.0 / 255.0, 0.2, 1.0];
+        LabelEntry { key, name: format!("area <{key}>"), color }
+    };
+    LabelTable::new([0, 3, 7].into_iter().enumerate().map(entry).collect())
+}
+
+/// Labels of twelve vertices, of which one has none.
+fn labels() -> Field {
+    let key = |i: usize| if i == 5 { f64::NAN } else { [0.0, 3.0, 7.0][i % 3] };
+    Field::new("areas", 1, FieldValues::F64((0..12).map(key).collect()))
+        .with_labels(Some(label_table().into()))
+}
+
+#[test]
+fn labels_keep_names_and_colors_in_each_file_that_has_room_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let field = labels();
+    write_gifti_fields(&path("a.label.gii"), std::slice::from_ref(&field), None).unwrap();
+    write_annotation(&path("lh.a.annot"), &field).unwrap();
+    let fields = std::slice::from_ref(&field);
+    write_cifti_fields(&path("a.dlabel.nii"), fields, "CortexLeft", CiftiColumns::Labels).unwrap();
+    let gifti = read_gifti_fields(&path("a.label.gii"), &ReadLimits::default()).unwrap().remove(0);
+    let annotation = read(&path("lh.a.annot"), "CortexLeft", 12).remove(0);
+    let cifti = read(&path("a.dlabel.nii"), "CortexLeft", 12).remove(0);
+    for (name, found, nothing) in
+        [("gifti", gifti, -1.0), ("annot", annotation, -1.0), ("cifti", cifti, f64::NAN)]
+    {
+        for i in 0..12 {
+            let (asked, is) = (field.get(i, 0), found.get(i, 0));
+            let same = is == asked || asked.is_nan() && (is == nothing || is.is_nan() && nothing.is_nan());
+            assert!(same, "{name}: {is} for {asked}");
+        }
+        let table = found.labels.unwrap();
+        for entry in label_table().entries() {
+            assert_eq!(table.entry(entry.key), Some(entry), "{name}");
+        }
+    }
+}
+
+#[test]
+fn labels_that_a_file_cannot_hold_are_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lh.a.annot");
+    let refused = |field: &Field| write_annotation(&path, field).unwrap_err().to_string();
+    let bare = Field { labels: None, ..labels() };
+    assert!(refused(&bare).contains("no table of their names and colors"), "{}", refused(&bare));
+    let with = |change: fn(&mut LabelEntry)| {
+        let mut entries = label_table().entries().to_vec();
+        change(&mut entries[1]);
+        labels().with_labels(Some(LabelTable::new(entries).into()))
+    };
+    assert!(refused(&with(|entry| entry.color = [0.0; 4])).contains("black"));
+    assert!(refused(&with(|entry| entry.color[0] = 40.0 / 255.0)).contains("one color"));
+    assert!(refused(&with(|entry| entry.key = 4)).contains("label 3, which has no name"));
+    assert!(!path.exists());
+    let other = with(|entry| entry.name = "another".into());
+    let gifti = write_gifti_fields(&folder.path().join("a.label.gii"), &[labels(), other], None);
+    assert!(gifti.unwrap_err().to_string().contains("two names"));
+    let cifti =
+        write_cifti_fields(&folder.path().join("a.dlabel.nii"), &[bare], "CortexLeft", CiftiColumns::Labels);
+    assert!(cifti.unwrap_err().to_string().contains("no table"));
 }

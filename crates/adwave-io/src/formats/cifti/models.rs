@@ -1,9 +1,12 @@
 //! Brain models in the XML of a CIFTI: the assignment of rows and columns.
 
+use std::sync::Arc;
+
 use adwave::Progress;
 use roxmltree::{Document, Node};
 
 use super::write::CiftiColumns;
+use crate::model::label_table::LabelTable;
 use crate::model::numbers::{NumberError, from_text};
 use crate::text::one_line;
 use crate::{FieldValues, ReadError, ValueType};
@@ -45,6 +48,8 @@ pub(super) struct CiftiMaps {
     pub(super) step: Option<f64>,
     /// Names of the columns if they have any.
     pub(super) names: Option<Vec<String>>,
+    /// Names and colors of the labels of each column; empty without labels.
+    pub(super) labels: Vec<Option<Arc<LabelTable>>>,
 }
 
 fn broken(what: &str) -> ReadError {
@@ -63,7 +68,7 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
     let text = std::str::from_utf8(&xml[..end]).map_err(|_| broken("is not UTF-8"))?;
     let document = Document::parse(text).map_err(|e| broken(&format!("is malformed ({})", one_line(&e))))?;
     let mut rows = None;
-    let (mut columns, mut names, mut step) = (None, None, None);
+    let (mut columns, mut names, mut step, mut labels) = (None, None, None, Vec::new());
     for map in document.descendants().filter(|node| node.has_tag_name("MatrixIndicesMap")) {
         let dimension = map.attribute("AppliesToMatrixDimension").unwrap_or("");
         match map.attribute("IndicesMapToDataType") {
@@ -81,6 +86,10 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
                     let name = map.children().find(|node| node.has_tag_name("MapName"))?;
                     name.text().map(|text| text.trim().to_owned())
                 };
+                let table = |map: Node<'_, '_>| {
+                    map.children().find(|node| node.has_tag_name("LabelTable")).and_then(LabelTable::from_xml)
+                };
+                labels = maps.clone().map(table).collect();
                 names = Some(maps.map(|map| name(map).unwrap_or_default()).collect());
             }
             _ => {}
@@ -100,7 +109,7 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
     let voxels = of_type("CIFTI_MODEL_TYPE_VOXELS").map(|node| voxel_model(node, progress));
     let voxels = voxels.collect::<Result<_, _>>()?;
     let volume = rows.children().find(|node| node.has_tag_name("Volume")).and_then(volume);
-    Ok(CiftiMaps { models, voxels, volume, columns, step, names })
+    Ok(CiftiMaps { models, voxels, volume, columns, step, names, labels })
 }
 
 /// The volume of the voxels, in millimeters; `None` unless all of its numbers are there.

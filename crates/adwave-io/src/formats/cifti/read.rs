@@ -1,10 +1,13 @@
 //! CIFTI reader: values of one surface, NaN at vertices without a value.
 
+use std::sync::Arc;
+
 use adwave::Progress;
 
 use super::models::{BrainModel, CiftiMaps, maps};
 use super::write::CiftiColumns;
 use crate::model::field::{ByteOrder, Number};
+use crate::model::label_table::LabelTable;
 use crate::model::numbers::Numbers;
 use crate::progress::extend;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
@@ -48,6 +51,8 @@ pub(super) struct CiftiNumbers {
     step: Option<f64>,
     /// Names of the columns, if they have any.
     names: Option<Vec<String>>,
+    /// Names and colors of the labels of each column; empty without labels.
+    labels: Vec<Option<Arc<LabelTable>>>,
     pub(super) head: CiftiHead,
 }
 
@@ -74,7 +79,7 @@ pub(super) fn locate_numbers(
     progress: Progress<'_>,
 ) -> Result<CiftiNumbers, ReadError> {
     let (head, maps) = read_head(bytes, progress)?;
-    let CiftiMaps { models, columns, step, names, .. } = maps;
+    let CiftiMaps { models, columns, step, names, labels, .. } = maps;
     let (model, n_rows) = (select_model(models, structure, n_vertices)?, head.n_rows);
     let end = model.first.checked_add(model.vertices.len() as u64);
     if end.is_none_or(|end| end > n_rows as u64) {
@@ -85,7 +90,7 @@ pub(super) fn locate_numbers(
     }
     // The file may have values for few of the vertices.
     limits.check_bytes((n_vertices as u64).saturating_mul(head.n_columns as u64).saturating_mul(8))?;
-    Ok(CiftiNumbers { model, columns, step, names, head })
+    Ok(CiftiNumbers { model, columns, step, names, labels, head })
 }
 
 /// Reads the header and the XML.
@@ -224,7 +229,7 @@ fn fields(
         Some(names) if names.len() == n_columns => {
             let named = names.iter().enumerate().map(|(column, name)| {
                 let name = if name.is_empty() { format!("map{}", column + 1) } else { name.clone() };
-                field(name, column, 1)
+                Ok(field(name, column, 1)?.with_labels(found.labels.get(column).cloned().flatten()))
             });
             named.collect()
         }

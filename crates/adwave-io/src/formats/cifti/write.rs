@@ -11,6 +11,7 @@ use super::CIFTI;
 use super::read::HEADER;
 use crate::model::f32_limits::check_range;
 use crate::model::grouping::column_names;
+use crate::model::label_table::{LabelTable, label_key};
 use crate::text::escape_xml;
 use crate::{Field, WriteError, atomic_write_with};
 
@@ -22,6 +23,8 @@ pub enum CiftiColumns {
     Scalars,
     /// Samples of a series: `.dtseries.nii`. They are one second apart unless the first field states its time step.
     Series,
+    /// Named maps of labels with names and colors: `.dlabel.nii`. Each field has its table of labels.
+    Labels,
 }
 
 impl CiftiColumns {
@@ -38,6 +41,7 @@ impl CiftiColumns {
         match () {
             () if name.ends_with(".dscalar.nii") => Some(Self::Scalars),
             () if name.ends_with(".dtseries.nii") => Some(Self::Series),
+            () if name.ends_with(".dlabel.nii") => Some(Self::Labels),
             () => None,
         }
     }
@@ -47,6 +51,7 @@ impl CiftiColumns {
         match self {
             Self::Scalars => (3006, "ConnDenseScalar"),
             Self::Series => (3002, "ConnDenseSeries"),
+            Self::Labels => (3007, "ConnDenseLabel"),
         }
     }
 }
@@ -163,20 +168,61 @@ fn encode(parts: &[CiftiPart<'_>], columns: CiftiColumns) -> Result<Vec<u8>, Wri
         return Err(cannot_hold("parts with different numbers of columns"));
     }
     let rows = parts.iter().map(|part| PartRows::new(*part)).collect::<Result<Vec<_>, _>>()?;
-    let xml = matrix_xml(&own, columns, &rows);
+    let tables = if columns == CiftiColumns::Labels { label_tables(&own, &rows)? } else { Vec::new() };
+    let xml = matrix_xml(&own, columns, &rows, &tables);
     let n_rows = rows.iter().map(|part| part.vertices.len()).sum();
     let mut bytes = head(own.len(), n_rows, columns, xml.len());
     bytes.extend_from_slice(xml.as_bytes());
     bytes.resize(data_start(xml.len()), 0);
     for part in &rows {
         for &i in &part.vertices {
-            bytes.extend(row(part.part.fields, i).flat_map(|x| (x as f32).to_le_bytes()));
+            let stored = |x: f64| match columns {
+                CiftiColumns::Labels => label_key(x).map_or(x, f64::from),
+                CiftiColumns::Scalars | CiftiColumns::Series => x,
+            };
+            bytes.extend(row(part.part.fields, i).flat_map(|x| (stored(x) as f32).to_le_bytes()));
         }
     }
     Ok(bytes)
 }
 
-fn matrix_xml(names: &[String], columns: CiftiColumns, parts: &[PartRows<'_>]) -> String {
+/// Tables of the labels of each column in all parts.
+fn label_tables(names: &[String], parts: &[PartRows<'_>]) -> Result<Vec<LabelTable>, WriteError> {
+    let mut tables = Vec::with_capacity(names.len());
+    for (column, name) in names.iter().enumerate() {
+        let (mut own, mut values) = (Vec::new(), Vec::new());
+        for PartRows { part, vertices, .. } in parts {
+            let mut first = 0;
+            for field in part.fields {
+                if (first..first + field.n_channels).contains(&column) {
+                    own.extend(field.labels.as_ref());
+                    values.extend(vertices.iter().map(|&i| field.get(i, column - first)));
+                }
+                first += field.n_channels;
+            }
+        }
+        if own.len() < parts.len() {
+            let what = format!("`{name}` as labels, because it has no table of their names and colors");
+            return Err(cannot_hold(&what));
+        }
+        let table =
+            LabelTable::joined(own.into_iter()).and_then(|table| table.with_labels(values.into_iter()));
+        let table = table.map_err(|what| cannot_hold(&what))?;
+        // The file has 32-bit floats.
+        if let Some(entry) = table.entries().iter().find(|entry| entry.key.unsigned_abs() > 1 << 24) {
+            return Err(cannot_hold(&format!("label {}, which is beyond 2^24", entry.key)));
+        }
+        tables.push(table);
+    }
+    Ok(tables)
+}
+
+fn matrix_xml(
+    names: &[String],
+    columns: CiftiColumns,
+    parts: &[PartRows<'_>],
+    tables: &[LabelTable],
+) -> String {
     let mut xml = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CIFTI Version=\"2\">\n<Matrix>\n\
          <MatrixIndicesMap AppliesToMatrixDimension=\"0\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_",
@@ -186,6 +232,14 @@ fn matrix_xml(names: &[String], columns: CiftiColumns, parts: &[PartRows<'_>]) -
             xml += "SCALARS\">\n";
             for name in names {
                 let _ = writeln!(xml, "<NamedMap>\n<MapName>{}</MapName>\n</NamedMap>", escape_xml(name));
+            }
+            xml += "</MatrixIndicesMap>\n";
+        }
+        CiftiColumns::Labels => {
+            xml += "LABELS\">\n";
+            for (name, table) in names.iter().zip(tables) {
+                let (name, table) = (escape_xml(name), table.to_xml());
+                let _ = writeln!(xml, "<NamedMap>\n<MapName>{name}</MapName>\n{table}</NamedMap>");
             }
             xml += "</MatrixIndicesMap>\n";
         }

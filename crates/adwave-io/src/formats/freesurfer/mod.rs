@@ -6,6 +6,7 @@
 //! Library: none. `neuroformats` (0.2) panics on files that are cut, on surfaces of quadrangles and on any other file,
 //! and drops the tail of a surface (the volume that it belongs to), which is kept here.
 
+pub(crate) mod annotation;
 pub(crate) mod label;
 pub(crate) mod overlay;
 pub(crate) mod read;

@@ -1,8 +1,11 @@
 //! Values at the vertices of a surface: curv files (`lh.thickness`), annotations (`lh.aparc.annot`), MGH and MGZ.
 
+use std::sync::Arc;
+
 use adwave::Progress;
 
 use crate::model::field::{ByteOrder, Number};
+use crate::model::label_table::{LabelEntry, LabelTable};
 use crate::model::numbers::{collect_rows, from_bytes};
 use crate::progress::collect;
 use crate::{Field, FieldValues, ReadError, ValueType};
@@ -112,13 +115,14 @@ pub(crate) fn read_regions(bytes: &[u8], progress: Progress<'_>) -> Result<Regio
         *place = i32::from_bytes(&pair[4..], ByteOrder::Big);
     }
     let mut table = ColorTable { bytes, at: 4 + pairs.len() };
-    let (labels, names) = if table.at == bytes.len() {
-        (colors, Vec::new())
+    let (labels, names, of_labels) = if table.at == bytes.len() {
+        (colors, Vec::new(), None)
     } else {
         let mut entries = table.entries().ok_or_else(|| {
             ReadError::byte_error(table.at, "the table of colors is truncated; get the whole file")
         })?;
         let names = entries.iter().map(|entry| (entry.number, entry.name.clone())).collect();
+        let of_labels = LabelTable::new(entries.iter().map(ColorEntry::to_label).collect());
         entries.sort_by_key(|entry| entry.color);
         let label = |color: i32| {
             let at = entries.partition_point(|entry| entry.color < color);
@@ -127,9 +131,9 @@ pub(crate) fn read_regions(bytes: &[u8], progress: Progress<'_>) -> Result<Regio
                 .filter(|entry| entry.color == color && color != 0)
                 .map_or(-1, |entry| entry.number)
         };
-        (collect(n, progress, |v| label(colors[v]))?, names)
+        (collect(n, progress, |v| label(colors[v]))?, names, Some(Arc::new(of_labels)))
     };
-    Ok(Regions { labels: Field::new("label", 1, FieldValues::I32(labels)), names })
+    Ok(Regions { labels: Field::new("label", 1, FieldValues::I32(labels)).with_labels(of_labels), names })
 }
 
 /// Table of colors at the end of an annotation.
@@ -172,9 +176,9 @@ impl ColorTable<'_> {
         for k in 0..n {
             let number = if is_numbered { self.int()? } else { k };
             let name = self.text()?;
-            let [r, g, b, _] = [self.int()?, self.int()?, self.int()?, self.int()?];
+            let [r, g, b, transparency] = [self.int()?, self.int()?, self.int()?, self.int()?];
             let color = (r & 255) | (g & 255) << 8 | (b & 255) << 16;
-            entries.push(ColorEntry { color, number, name });
+            entries.push(ColorEntry { color, transparency: transparency as u8, number, name });
         }
         Some(entries)
     }
@@ -184,6 +188,16 @@ impl ColorTable<'_> {
 struct ColorEntry {
     /// Color in the encoding of the vertices.
     color: i32,
+    /// 0 if the color is opaque.
+    transparency: u8,
     number: i32,
     name: String,
+}
+
+impl ColorEntry {
+    fn to_label(&self) -> LabelEntry {
+        let [red, green, blue, _] = self.color.to_le_bytes();
+        let color = [red, green, blue, 255 - self.transparency].map(|c| f32::from(c) / 255.0);
+        LabelEntry { key: self.number, name: self.name.clone(), color }
+    }
 }

@@ -6,6 +6,7 @@
 use crate::files::read::parse_file;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -14,6 +15,7 @@ use roxmltree::{Document, ParsingOptions};
 use super::array::{Array, ArrayError, STRUCTURE, about, array};
 use super::update::{ArrayLocation, GiftiSource};
 use crate::model::field::unused;
+use crate::model::label_table::LabelTable;
 use crate::progress::{collect, report_row};
 use crate::text::one_line;
 use crate::{CoordinatePrecision, Field, Format, ReadError, ReadLimits, ShapeFile, ValueType};
@@ -27,6 +29,8 @@ struct GiftiContent {
     count: Option<Range<usize>>,
     /// End of the last array in the text.
     end: usize,
+    /// Names and colors of the labels in all arrays of labels.
+    labels: Option<Arc<LabelTable>>,
 }
 
 /// True if the bytes are a GIFTI.
@@ -42,7 +46,8 @@ pub(crate) fn read_gifti(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let GiftiContent { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
+    let GiftiContent { mut arrays, structure, count, end, labels } =
+        content(&bytes, folder, limits, progress)?;
     let n_arrays = arrays.len();
     // A copy in another folder would have no file next to it.
     let is_whole = arrays.iter().all(|array| array.place.is_some());
@@ -71,10 +76,11 @@ pub(crate) fn read_gifti(
     let mut places = Vec::new();
     for array in arrays {
         if array.rows == shape.n_vertices && !array.values.is_empty() {
-            let name = array.name.unwrap_or(array.intent);
+            let name = array.name.unwrap_or_else(|| array.intent.clone());
             let name = unused(&name, "", |name| shape.field(name).is_some());
             places.extend(array.place.map(|place| (name.clone(), place)));
-            shape.vertex_fields.push(Field::new(name, array.columns, array.values));
+            let labels = labels.clone().filter(|_| array.intent == "label");
+            shape.vertex_fields.push(Field::new(name, array.columns, array.values).with_labels(labels));
         } else {
             shape.extras.push(format!("{} array of {} rows", array.intent, array.rows));
         }
@@ -129,11 +135,13 @@ fn parse_fields(
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
     let mut fields: Vec<Field> = Vec::new();
-    for array in content(bytes, folder, limits, progress)?.arrays {
+    let GiftiContent { arrays, labels, .. } = content(bytes, folder, limits, progress)?;
+    for array in arrays {
         if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
+            let labels = labels.clone().filter(|_| array.intent == "label");
             let name = array.name.unwrap_or(array.intent);
             let name = unused(&name, "", |name| fields.iter().any(|f| f.name == name));
-            fields.push(Field::new(name, array.columns, array.values));
+            fields.push(Field::new(name, array.columns, array.values).with_labels(labels));
         }
     }
     if fields.is_empty() {
@@ -221,5 +229,6 @@ fn content(
             })
         })
         .collect::<Result<_, _>>()?;
-    Ok(GiftiContent { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0) })
+    let labels = root.children().find(|n| n.has_tag_name("LabelTable")).and_then(LabelTable::from_xml);
+    Ok(GiftiContent { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0), labels })
 }

@@ -15,6 +15,7 @@ use super::numbers::{ArrayStorage, Encoding};
 use crate::model::f32_limits::{check_range, is_single, triangles};
 use crate::model::field::ByteOrder;
 use crate::model::grouping::column_names;
+use crate::model::label_table::{LabelTable, label_key};
 use crate::progress::{CancellableWriter, all};
 use crate::text::escape_xml;
 use crate::{
@@ -45,6 +46,11 @@ fn stored(values: &FieldValues) -> ValueType {
         }
         FieldValues::F32(_) | FieldValues::F64(_) => ValueType::F32,
     }
+}
+
+/// Type in which a GIFTI stores a field: 32-bit integers for labels.
+fn stored_type(field: &Field) -> ValueType {
+    if field.labels.is_some() { ValueType::I32 } else { stored(&field.values) }
 }
 
 /// Description of an array besides its numbers.
@@ -100,13 +106,34 @@ fn metadata(entries: &[(&str, &str)]) -> String {
 }
 
 /// Writes the head with the anatomical structure, which Connectome Workbench requires.
-fn write_head(out: &mut dyn Write, n_arrays: usize, structure: Option<&str>) -> Result<(), WriteError> {
-    write!(
-        out,
-        "{HEAD}<GIFTI Version=\"1.0\" NumberOfDataArrays=\"{n_arrays}\">\n{}<LabelTable/>\n",
-        metadata(&about(structure))
-    )?;
-    Ok(())
+fn write_head(
+    out: &mut dyn Write,
+    n_arrays: usize,
+    structure: Option<&str>,
+    labels: &LabelTable,
+) -> Result<(), WriteError> {
+    let about = metadata(&about(structure));
+    write!(out, "{HEAD}<GIFTI Version=\"1.0\" NumberOfDataArrays=\"{n_arrays}\">\n{about}")?;
+    let table = if labels.entries().is_empty() { "<LabelTable/>\n".to_owned() } else { labels.to_xml() };
+    Ok(out.write_all(table.as_bytes())?)
+}
+
+/// The one table of labels of a GIFTI.
+fn label_table(fields: &[Field]) -> Result<LabelTable, WriteError> {
+    let with_labels = || fields.iter().filter(|field| field.labels.is_some());
+    let values = with_labels().flat_map(|field| (0..field.values.len()).map(|i| field.values.get(i)));
+    LabelTable::joined(with_labels().filter_map(|field| field.labels.as_ref()))
+        .and_then(|table| table.with_labels(values))
+        .map_err(|what| WriteError::CannotHold { format: Format::GIFTI, what })
+}
+
+/// Number i of a field as it is stored: that of a label for NaN among labels.
+fn stored_value(field: &Field, i: usize) -> f64 {
+    let value = field.values.get(i);
+    match field.labels {
+        Some(_) => label_key(value).map_or(value, f64::from),
+        None => value,
+    }
 }
 
 fn about(structure: Option<&str>) -> Vec<(&'static str, &str)> {
@@ -146,7 +173,7 @@ pub(crate) fn write_gifti(
     let triangles = triangles(shape, report);
     let n_arrays = 1 + usize::from(!triangles.is_empty()) + shape.vertex_fields.len();
     let structure = shape.structure.as_deref();
-    write_head(out, n_arrays, structure)?;
+    write_head(out, n_arrays, structure, &label_table(&shape.vertex_fields)?)?;
     let (rows, about) = (shape.points.len(), about(structure));
     ArrayHeader { intent: "POINTSET", about, space: SPACE, kind: ValueType::F32, rows, columns: 3 }.write(
         out,
@@ -180,7 +207,7 @@ pub(super) fn check_field(
     // Larger integers have more digits than even a 64-bit float.
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     let keeps_all = is_single(n, progress, value)? && all(n, progress, |i| !has_more(value(i)))?;
-    if stored(&field.values) == ValueType::F32 && !keeps_all {
+    if stored_type(field) == ValueType::F32 && !keeps_all {
         report.report_dropped(format!("digits of `{}` beyond 32-bit floats", field.name));
     }
     Ok(())
@@ -192,10 +219,12 @@ pub(super) fn write_field(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let (intent, about) = (intent(&field.name, field.n_channels), vec![("Name", field.name.as_str())]);
-    let (kind, rows, columns) = (stored(&field.values), field.len(), field.n_channels);
+    let is_label = field.labels.is_some();
+    let intent = if is_label { "LABEL" } else { intent(&field.name, field.n_channels) };
+    let about = vec![("Name", field.name.as_str())];
+    let (kind, rows, columns) = (stored_type(field), field.len(), field.n_channels);
     ArrayHeader { intent, about, space: "", kind, rows, columns }
-        .write(out, progress, |i| field.values.get(i))
+        .write(out, progress, |i| stored_value(field, i))
 }
 
 /// Writes fields without a surface: one array per channel, like the columns of functional and metric files, named as
@@ -257,17 +286,15 @@ fn write_fields(
             value,
         )?;
     }
-    write_head(out, fields.iter().map(|field| field.n_channels).sum(), structure)?;
+    write_head(out, fields.iter().map(|field| field.n_channels).sum(), structure, &label_table(fields)?)?;
     for field in fields {
-        let (kind, rows, n) = (stored(&field.values), field.len(), field.n_channels);
+        let (kind, rows, n) = (stored_type(field), field.len(), field.n_channels);
+        let intent = if field.labels.is_some() { "LABEL" } else { "SHAPE" };
         let names = if n == 1 { vec![field.name.clone()] } else { column_names(field) };
         for (c, name) in names.iter().enumerate() {
             let about = vec![("Name", name.as_str())];
-            ArrayHeader { intent: "SHAPE", about, space: "", kind, rows, columns: 1 }.write(
-                out,
-                progress,
-                |i| field.values.get(i * n + c),
-            )?;
+            ArrayHeader { intent, about, space: "", kind, rows, columns: 1 }
+                .write(out, progress, |i| stored_value(field, i * n + c))?;
         }
     }
     Ok(out.write_all(b"</GIFTI>\n")?)
