@@ -27,7 +27,13 @@ GROUPS = {
         "match_two_scans",
         "what_changed",
     ),
-    "Geometry": ("simplify_within_a_bound", "bend_and_keep_detail", "carry_detail"),
+    "Geometry": (
+        "simplify_within_a_bound",
+        "bend_and_keep_detail",
+        "bend_and_keep_lengths",
+        "carry_detail",
+        "levels_of_a_sculpture",
+    ),
     "Graphs, cells, learning": (
         "roads_without_noise",
         "cells_in_order",
@@ -35,7 +41,7 @@ GROUPS = {
         "labels_from_a_few",
         "learn_the_gains",
     ),
-    "Brains": ("thickness_of_the_cortex", "a_brain_without_noise"),
+    "Brains": ("thickness_of_the_cortex", "thickness_on_fewer_vertices", "a_brain_without_noise"),
     "The Earth, the sky, time": (
         "the_earth_by_scale",
         "the_earth_from_few_numbers",
