@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let params = OperatorParams::default().with_kind(OperatorKind::Surface);
     let surface = surface_diffusion(&geometry, &params, Progress::none())?;
     let diffusion = &surface.diffusion;
-    let Semigroup::Heat { rate } = diffusion.semigroup() else {
+    let Semigroup::Heat { rate, .. } = diffusion.semigroup() else {
         return Err("the operator has no heat equation".into());
     };
     // λ = rate/τ, τ = s²/4.
