@@ -85,8 +85,8 @@ impl Prepared {
         options: OperatorOptions,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let params = options.params()?;
         let content = shape.get();
+        let params = options.params()?.with_corrected_dispersion(content.file.is_map());
         let own = content.shape(py)?;
         let decomposer =
             run(py, own.n_vertices(), progress.as_ref(), |p| Decomposer::with_params(own, &params, p))?;

@@ -257,7 +257,10 @@ pub(crate) fn build_decomposer(
     progress: Progress<'_>,
 ) -> Result<Decomposer, CliError> {
     match &input.carrier {
-        Carrier::Shape => build_operator(&input.shape, params, progress),
+        Carrier::Shape => {
+            let params = params.with_corrected_dispersion(input.file.is_map());
+            build_operator(&input.shape, &params, progress)
+        }
         Carrier::Walk(walk) => build_operator(&input.shape, params, progress)?
             .with_walk(&walk.rows, progress)
             .map_err(|e| in_file(&walk.path, &e)),

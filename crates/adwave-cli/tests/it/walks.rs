@@ -39,7 +39,7 @@ fn write_ring(folder: &Path) {
     let banner = "%%MatrixMarket matrix coordinate real general\n";
     fs::write(at("ring.txt"), edges).unwrap();
     fs::write(at("ring.mtx"), format!("{banner}{N} {N} {}\n{entries}", 2 * N)).unwrap();
-    fs::write(at("cells.csv"), named.replace("\n", "\r\n")).unwrap();
+    fs::write(at("cells.csv"), named.replace('\n', "\r\n")).unwrap();
     fs::write(at("counts.csv"), bare).unwrap();
     fs::write(at("counts.mtx"), format!("{banner}{N} {GENES} {}\n{counts}", N * GENES)).unwrap();
     let values: Vec<f64> = (0..N * GENES).map(|i| count(i / GENES, i % GENES)).collect();

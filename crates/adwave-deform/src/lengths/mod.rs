@@ -95,10 +95,10 @@ impl KeptLengths {
 fn factorize(matrix: SymmetricMatrix, progress: Progress<'_>) -> Result<Ldlt, DeformError> {
     let failed = || DeformError::Singular("the thread that factorizes ended early".to_owned());
     let work = BackgroundWork::start(move || Ldlt::new(&matrix, 0.0)).ok_or_else(failed)?;
-    work.finish(progress)?.ok_or_else(failed)?.map_err(singular)
+    work.finish(progress)?.ok_or_else(failed)?.map_err(|e| singular(&e))
 }
 
-fn singular(error: LinalgError) -> DeformError {
+fn singular(error: &LinalgError) -> DeformError {
     DeformError::Singular(error.to_string())
 }
 
@@ -130,7 +130,7 @@ impl LengthSolver {
                 entries.push((row, number[y], -w * energy.curvature()));
             }
         }
-        let matrix = SymmetricMatrix::from_halves(n_free as usize, &entries).map_err(singular)?;
+        let matrix = SymmetricMatrix::from_halves(n_free as usize, &entries).map_err(|e| singular(&e))?;
         let factor = (n_free > 0).then(|| factorize(matrix, progress)).transpose()?;
         Ok(Self { energy, rest, kept, number, factor })
     }

@@ -114,7 +114,7 @@ pub enum Semigroup {
     Heat {
         /// Mean number of steps of Φ₁ per step.
         rate: f64,
-        /// Dispersion of short waves that is made up for, ≥ 0: on a mesh of a sphere about the origin; elsewhere 0.
+        /// Dispersion of short waves that is made up for, ≥ 0: on a map of a sphere; elsewhere 0.
         dispersion: f64,
     },
 }

@@ -176,6 +176,9 @@ pub struct OperatorParams {
     pub end_points: EndPoints,
     /// Heat on a surface: masses of the vertices with the fastest exchange (see [`surface_diffusion`]).
     pub masses: Masses,
+    /// Heat on a mesh of a sphere about the origin: makes up for the mesh's error on short waves (see
+    /// [`surface_diffusion`]), as for maps of the sky and of the Earth.
+    pub corrects_dispersion: bool,
 }
 
 impl Default for OperatorParams {
@@ -192,11 +195,18 @@ impl Default for OperatorParams {
             keep_creases: false,
             end_points: EndPoints::default(),
             masses: Masses::default(),
+            corrects_dispersion: false,
         }
     }
 }
 
 impl OperatorParams {
+    /// Sets whether heat on a sphere makes up for the mesh's error on short waves.
+    #[must_use]
+    pub fn with_corrected_dispersion(self, corrects_dispersion: bool) -> Self {
+        Self { corrects_dispersion, ..self }
+    }
+
     /// Sets the kind of operator.
     #[must_use]
     pub fn with_kind(self, kind: OperatorKind) -> Self {

@@ -64,8 +64,9 @@ pub struct SurfaceInfo {
 /// the second bound holds. O(n log n).
 ///
 /// A mesh slows down short waves. On a mesh of a sphere about the origin, such as a map of the sky, this is made up for to
-/// first order: `S_n = exp(−n·τ·(A + κA²))`, `A = M⁻¹L`, with the mean κ of the mesh's fourth-order error, or as much of
-/// it as improves all places. Then a value may leave the range of the signal by the size of the error that is left.
+/// first order where [`OperatorParams::corrects_dispersion`] asks for it: `S_n = exp(−n·τ·(A + κA²))`, `A = M⁻¹L`, with the
+/// mean κ of the mesh's fourth-order error, or as much of it as improves all places. Then a value may leave the range of
+/// the signal by the size of the error that is left.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
@@ -100,7 +101,8 @@ pub fn surface_diffusion(
     let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
     progress.step(2, STAGES)?;
     let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
-    let dispersion = if geometry.shape().is_mesh() && sphere_radius(geometry.points()).is_some() {
+    let is_sphere = || geometry.shape().is_mesh() && sphere_radius(geometry.points()).is_some();
+    let dispersion = if params.corrects_dispersion && is_sphere() {
         lambda * mean_dispersion(&geometry.unit_points(progress)?.0, &weights, &mass, progress)?
     } else {
         0.0

@@ -46,7 +46,7 @@ pub struct VolumeSeries {
 #[derive(Debug)]
 enum SeriesSource {
     Plain { file: File, n_after: usize },
-    Gzip(Mutex<GzipVolumes>),
+    Gzip(Box<Mutex<GzipVolumes>>),
 }
 
 /// Volumes of a compressed file.
@@ -96,7 +96,7 @@ impl VolumeSeries {
         let end = numbers.n_bytes()?.checked_mul(n_volumes)?.checked_add(header.start)? as u64;
         head.truncate(header.start);
         let source = if is_gzip {
-            SeriesSource::Gzip(Mutex::new(GzipVolumes::open(path, head.len()).ok()?))
+            SeriesSource::Gzip(Box::new(Mutex::new(GzipVolumes::open(path, head.len()).ok()?)))
         } else {
             let n_after = metadata.len().checked_sub(end).filter(|n| *n <= HEAD_BYTES as u64)?;
             SeriesSource::Plain { file, n_after: n_after as usize }
@@ -288,13 +288,14 @@ pub struct VolumeSeriesWriter<'a> {
     path: PathBuf,
 }
 
-enum SeriesOutput {
-    Plain(PendingFile),
-    Gzip(Mutex<GzipOutput>),
+/// File that the volumes go to.
+struct SeriesOutput {
+    pending: PendingFile,
+    /// The stream of a compressed file.
+    gzip: Option<Mutex<GzipOutput>>,
 }
 
 struct GzipOutput {
-    pending: PendingFile,
     encoder: GzEncoder<BufWriter<File>>,
     /// Number of the volume that comes next.
     next: usize,
@@ -366,17 +367,18 @@ impl<'a> VolumeSeriesWriter<'a> {
             let encoded = self.numbers.write(before, &field, Format::NIFTI, out, progress);
             encoded.map_err(|error| in_volume(error, volume))
         };
-        let written = match &self.output {
-            SeriesOutput::Plain(pending) => {
+        let file = self.output.pending.out.get_ref();
+        let written = match &self.output.gzip {
+            None => {
                 let position = position(&self.head, &self.numbers, volume);
-                encode(&mut WriterAt { file: pending.out.get_ref(), position })
+                encode(&mut WriterAt { file, position })
             }
-            SeriesOutput::Gzip(output) => {
+            Some(output) => {
                 let mut bytes = Vec::with_capacity(self.numbers.n_bytes().unwrap_or(0));
                 encode(&mut bytes).and_then(|()| {
                     let mut output = lock(output);
                     if volume == 0 && output.next > 0 {
-                        output.begin_again(&self.head)?;
+                        output.begin_again(file, &self.head)?;
                     }
                     output.early.insert(volume, bytes);
                     output.compress(progress)
@@ -394,19 +396,16 @@ impl<'a> VolumeSeriesWriter<'a> {
         let Self { head, tail, series, numbers, n_volumes, output, path } = self;
         let end = || -> Result<(), WriteError> {
             let tail = series.map_or(Ok(tail), VolumeSeries::tail)?;
-            match output {
-                SeriesOutput::Plain(pending) => {
-                    write_at(pending.out.get_ref(), position(&head, &numbers, n_volumes), &tail)?;
-                    pending.finish(progress)
-                }
-                SeriesOutput::Gzip(output) => {
-                    let GzipOutput { pending, mut encoder, .. } =
-                        output.into_inner().unwrap_or_else(PoisonError::into_inner);
-                    encoder.write_all(&tail)?;
-                    encoder.finish()?.flush()?;
-                    pending.finish(progress)
-                }
+            let SeriesOutput { pending, gzip } = output;
+            if let Some(gzip) = gzip {
+                let GzipOutput { mut encoder, .. } =
+                    gzip.into_inner().unwrap_or_else(PoisonError::into_inner);
+                encoder.write_all(&tail)?;
+                encoder.finish()?.flush()?;
+            } else {
+                write_at(pending.out.get_ref(), position(&head, &numbers, n_volumes), &tail)?;
             }
+            pending.finish(progress)
         };
         end().map_err(|e| e.in_file(&path))
     }
@@ -416,28 +415,27 @@ impl SeriesOutput {
     fn begin(path: &Path, head: &[u8]) -> Result<Self, WriteError> {
         let pending = PendingFile::begin(path)?;
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz")) {
-            let encoder = gzip_encoder(&pending)?;
-            let mut output = GzipOutput { pending, encoder, next: 0, early: BTreeMap::new() };
-            output.encoder.write_all(head)?;
-            return Ok(Self::Gzip(Mutex::new(output)));
+            let mut encoder = gzip_encoder(pending.out.get_ref())?;
+            encoder.write_all(head)?;
+            let output = GzipOutput { encoder, next: 0, early: BTreeMap::new() };
+            return Ok(Self { pending, gzip: Some(Mutex::new(output)) });
         }
         write_at(pending.out.get_ref(), 0, head)?;
-        Ok(Self::Plain(pending))
+        Ok(Self { pending, gzip: None })
     }
 }
 
 /// Encoder into a file from its position on.
-fn gzip_encoder(pending: &PendingFile) -> io::Result<GzEncoder<BufWriter<File>>> {
-    let file = BufWriter::with_capacity(1 << 18, pending.out.get_ref().try_clone()?);
+fn gzip_encoder(file: &File) -> io::Result<GzEncoder<BufWriter<File>>> {
+    let file = BufWriter::with_capacity(1 << 18, file.try_clone()?);
     Ok(GzEncoder::new(file, flate2::Compression::default()))
 }
 
 impl GzipOutput {
     /// Empties the file and writes the header.
-    fn begin_again(&mut self, head: &[u8]) -> io::Result<()> {
+    fn begin_again(&mut self, mut file: &File, head: &[u8]) -> io::Result<()> {
         // The old encoder ends its stream when it is dropped.
-        self.encoder = gzip_encoder(&self.pending)?;
-        let mut file = self.pending.out.get_ref();
+        self.encoder = gzip_encoder(file)?;
         file.rewind()?;
         file.set_len(0)?;
         self.next = 0;

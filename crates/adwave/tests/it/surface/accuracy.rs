@@ -2,10 +2,10 @@
 
 use crate::surface::meshes::{Points, Triangles, sample, sector, uneven_rectangle, uneven_sphere};
 use crate::surface::{decomposer, mesh, params};
-use adwave::Progress;
 use adwave::bands::{FWHM, Schedule};
 use adwave::operator::surface_diffusion;
 use adwave::shape::{Mesh, Polygons, Shape};
+use adwave::{Decomposer, Progress};
 use std::f64::consts::PI;
 
 /// Error of the decay of an eigenfunction relative to `e^(−λt)`, relative to it.
@@ -172,7 +172,8 @@ fn short_waves_of_a_sphere_decay_as_those_of_the_sphere() {
     let (points, triangles) = sample("sphere", 10_000);
     let meshes = [("triangles", mesh(&points, &triangles), 0.15), ("quadrilaterals", cubed_sphere(40), 0.6)];
     for (name, shape, share) in meshes as [(&str, Shape, f64); 2] {
-        let decomposer = decomposer(&shape);
+        let corrected = params().with_corrected_dispersion(true);
+        let decomposer = Decomposer::with_params(&shape, &corrected, Progress::none()).unwrap();
         let (areas, step) = (decomposer.areas(), decomposer.operator().step_length());
         let cell = areas.iter().sum::<f64>() / areas.len() as f64;
         for l in (4..).take_while(|&l| f64::from(l * (l + 1)) * cell < 0.5) {
