@@ -57,7 +57,7 @@ impl LabelTable {
     ///
     /// # Errors
     /// Words about two tables that give one number different names or colors.
-    pub(crate) fn joined<'a>(tables: impl Iterator<Item = &'a Arc<Self>>) -> Result<Self, String> {
+    pub(crate) fn join<'a>(tables: impl Iterator<Item = &'a Arc<Self>>) -> Result<Self, String> {
         let mut joined = Self::default();
         for entry in tables.flat_map(|table| &table.entries) {
             match joined.entry(entry.key) {
@@ -147,9 +147,9 @@ mod tests {
         let [left, right, other] =
             [[entry(1, "a"), entry(2, "b")], [entry(2, "b"), entry(3, "c")], [entry(2, "x"), entry(4, "d")]]
                 .map(|entries| Arc::new(LabelTable::new(entries.to_vec())));
-        let joined = LabelTable::joined([&left, &right].into_iter()).unwrap();
+        let joined = LabelTable::join([&left, &right].into_iter()).unwrap();
         assert_eq!(joined.entries().iter().map(|entry| entry.key).collect::<Vec<_>>(), [1, 2, 3]);
-        let error = LabelTable::joined([&left, &other].into_iter()).unwrap_err();
+        let error = LabelTable::join([&left, &other].into_iter()).unwrap_err();
         assert_eq!(error, "label 2 with two names or colors, `b` and `x`");
     }
 

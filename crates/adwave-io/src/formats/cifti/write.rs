@@ -205,8 +205,7 @@ fn label_tables(names: &[String], parts: &[PartRows<'_>]) -> Result<Vec<LabelTab
             let what = format!("`{name}` as labels, because it has no table of their names and colors");
             return Err(cannot_hold(&what));
         }
-        let table =
-            LabelTable::joined(own.into_iter()).and_then(|table| table.with_labels(values.into_iter()));
+        let table = LabelTable::join(own.into_iter()).and_then(|table| table.with_labels(values.into_iter()));
         let table = table.map_err(|what| cannot_hold(&what))?;
         // The file has 32-bit floats.
         if let Some(entry) = table.entries().iter().find(|entry| entry.key.unsigned_abs() > 1 << 24) {

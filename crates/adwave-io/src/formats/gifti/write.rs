@@ -122,7 +122,7 @@ fn write_head(
 fn label_table(fields: &[Field]) -> Result<LabelTable, WriteError> {
     let with_labels = || fields.iter().filter(|field| field.labels.is_some());
     let values = with_labels().flat_map(|field| (0..field.values.len()).map(|i| field.values.get(i)));
-    LabelTable::joined(with_labels().filter_map(|field| field.labels.as_ref()))
+    LabelTable::join(with_labels().filter_map(|field| field.labels.as_ref()))
         .and_then(|table| table.with_labels(values))
         .map_err(|what| WriteError::CannotHold { format: Format::GIFTI, what })
 }

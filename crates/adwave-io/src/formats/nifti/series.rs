@@ -329,7 +329,7 @@ impl<'a> VolumeSeriesWriter<'a> {
         let begin = || {
             let mut report = WriteReport::default();
             report.report_vertex_fields(shape, &[GRID_VALUES]);
-            let frame = NiftiFrame::of_channels(shape, kind, n_channels, &mut report)?;
+            let frame = NiftiFrame::new(shape, kind, n_channels, &mut report)?;
             Ok((SeriesOutput::begin(path, &frame.head)?, frame, report))
         };
         let (output, frame, report) = begin().map_err(|e: WriteError| e.in_file(path))?;

@@ -87,7 +87,7 @@ impl NiftiFrame {
     ///
     /// # Errors
     /// The shape is no volume.
-    pub(super) fn of_channels(
+    pub(super) fn new(
         shape: &ShapeFile,
         kind: ValueType,
         n_channels: usize,
