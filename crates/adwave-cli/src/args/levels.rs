@@ -26,8 +26,8 @@ pub(crate) struct LevelArgs {
     #[arg(long, value_name = "E", value_parser = number)]
     pub(crate) accuracy: Option<f64>,
     /// Levels with these widths σ, increasing, in model units, in % of the diagonal, or on a sphere in degrees (5deg) or
-    /// in km of a stated radius (100km/6371). σ is the root mean square distance that a value spreads to: σ/√2 along each axis of a surface, and a full width
-    /// at half maximum of 1.665 σ
+    /// in km of a stated radius (100km/6371). σ is the root mean square distance that a value spreads to: σ/√2 along
+    /// each axis of a surface, and a full width at half maximum of 1.665 σ
     #[arg(
         long,
         value_name = "L,L,…",

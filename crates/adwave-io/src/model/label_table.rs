@@ -1,5 +1,6 @@
 //! Names and colors of labels, such as the parcels of an atlas.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Number of vertices without a label where a file needs one.
@@ -28,6 +29,8 @@ pub struct LabelEntry {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LabelTable {
     entries: Vec<LabelEntry>,
+    /// Index of the entry of each key.
+    index: HashMap<i32, usize>,
 }
 
 impl LabelTable {
@@ -35,12 +38,18 @@ impl LabelTable {
     pub fn new(entries: Vec<LabelEntry>) -> Self {
         let mut table = Self::default();
         for entry in entries {
-            match table.entries.iter_mut().find(|other| other.key == entry.key) {
-                Some(other) => *other = entry,
-                None => table.entries.push(entry),
+            match table.index.get(&entry.key) {
+                Some(&i) => table.entries[i] = entry,
+                None => table.push(entry),
             }
         }
         table
+    }
+
+    /// Adds an entry with a new key.
+    fn push(&mut self, entry: LabelEntry) {
+        self.index.insert(entry.key, self.entries.len());
+        self.entries.push(entry);
     }
 
     /// All entries.
@@ -50,7 +59,7 @@ impl LabelTable {
 
     /// Entry of a label.
     pub fn entry(&self, key: i32) -> Option<&LabelEntry> {
-        self.entries.iter().find(|entry| entry.key == key)
+        self.index.get(&key).map(|&i| &self.entries[i])
     }
 
     /// Table of all labels of several tables.
@@ -61,7 +70,7 @@ impl LabelTable {
         let mut joined = Self::default();
         for entry in tables.flat_map(|table| &table.entries) {
             match joined.entry(entry.key) {
-                None => joined.entries.push(entry.clone()),
+                None => joined.push(entry.clone()),
                 Some(other) if other == entry => {}
                 Some(other) => {
                     return Err(format!(
@@ -79,16 +88,15 @@ impl LabelTable {
     /// # Errors
     /// Words about a label that has no name.
     pub(crate) fn with_labels(mut self, values: impl Iterator<Item = f64>) -> Result<Self, String> {
-        let mut known: std::collections::HashSet<i32> = self.entries.iter().map(|entry| entry.key).collect();
         for value in values {
             let key = label_key(value).ok_or_else(|| format!("{value}, which is no label"))?;
-            if !known.insert(key) {
+            if self.entry(key).is_some() {
                 continue;
             }
             if key != NO_LABEL {
                 return Err(format!("label {key}, which has no name in the table of labels"));
             }
-            self.entries.push(LabelEntry { key, name: "???".into(), color: [0.0; 4] });
+            self.push(LabelEntry { key, name: "???".into(), color: [0.0; 4] });
         }
         Ok(self)
     }
@@ -113,7 +121,8 @@ impl LabelTable {
             let key = label.attribute("Key").or_else(|| label.attribute("Index"))?.trim().parse().ok()?;
             let color = ["Red", "Green", "Blue", "Alpha"].map(|name| {
                 let usual = if name == "Alpha" { 1.0 } else { 0.0 };
-                label.attribute(name).and_then(|number| number.trim().parse().ok()).unwrap_or(usual)
+                let number = label.attribute(name).and_then(|number| number.trim().parse::<f32>().ok());
+                number.filter(|part| part.is_finite()).map_or(usual, |part| part.clamp(0.0, 1.0))
             });
             Some(LabelEntry { key, name: label.text().unwrap_or_default().trim().to_owned(), color })
         };
@@ -151,6 +160,16 @@ mod tests {
         assert_eq!(joined.entries().iter().map(|entry| entry.key).collect::<Vec<_>>(), [1, 2, 3]);
         let error = LabelTable::join([&left, &other].into_iter()).unwrap_err();
         assert_eq!(error, "label 2 with two names or colors, `b` and `x`");
+    }
+
+    #[test]
+    fn large_tables_are_read_at_once_and_the_last_entry_of_a_key_counts() {
+        let n = 300_000;
+        let entries = (0..n).chain(0..n).map(|i| entry(i % n, if i < 5 { "first" } else { "other" }));
+        let mut entries: Vec<LabelEntry> = entries.collect();
+        entries.push(entry(7, "last"));
+        let table = LabelTable::new(entries);
+        assert_eq!((table.entries().len(), table.entry(7).unwrap().name.as_str()), (n as usize, "last"));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
 
 /// Reads the columns of a table with cells separated by commas, semicolons or tabs. A first row that contains a word
-/// names the columns; otherwise the names are `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN. TableColumns with
+/// names the columns; otherwise the names are `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN. Columns with
 /// words are left out. Numbers may have decimal commas unless these separate the cells.
 ///
 /// # Errors
@@ -105,7 +105,7 @@ pub fn parse_csv_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>,
     fields(parse(bytes, limits, Progress::none())?)
 }
 
-/// TableColumns of a table.
+/// Columns of a table.
 struct TableColumns {
     /// Names; none if the first row has numbers alone.
     names: Vec<String>,
@@ -173,7 +173,7 @@ fn fields(table: TableColumns) -> Result<Vec<Field>, ReadError> {
     {
         return Err(no_number(*line, &(c + 1).to_string(), word));
     }
-    // TableColumns of text have no numbers.
+    // Columns of text have no numbers.
     let of_numbers = values.into_iter().enumerate().filter(|(c, _)| words[*c].is_none());
     Ok(of_numbers.map(|(c, v)| Field::new(name(c), 1, FieldValues::F64(v))).collect())
 }
