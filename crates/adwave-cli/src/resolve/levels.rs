@@ -82,7 +82,10 @@ pub(crate) fn resolve_spec(
 fn note_arcs(widths: &[Length], decomposer: &Decomposer, global: &Global<'_>) {
     let angle = |width: &Length| if let Length::Degrees(angle) = width { Some(*angle) } else { None };
     let angles: Vec<f64> = widths.iter().filter_map(angle).collect();
-    let Some(radius) = decomposer.sphere_radius().filter(|_| !angles.is_empty()) else { return };
+    if angles.is_empty() {
+        return; // the radius asks for all positions, which a volume does not store
+    }
+    let Some(radius) = decomposer.sphere_radius() else { return };
     let list = |factor: f64| {
         angles.iter().map(|angle| format!("{}°", number(factor * angle))).collect::<Vec<_>>().join(", ")
     };
