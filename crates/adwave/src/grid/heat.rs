@@ -1,6 +1,6 @@
 //! Heat on a grid: a stencil, and all steps at once where every place has data.
 
-use super::lines::{LineKind, Lines};
+use super::lines::{LineKind, Lines, diffuse_axes};
 use super::runs::Runs;
 use super::steps::RunSteps;
 use super::{Axes, MAX_AXES};
@@ -146,7 +146,8 @@ impl Operator for GridHeat {
 }
 
 impl Leap for GridHeat {
-    /// Each axis by the fewest poles that keep to `accuracy` together, 8, 14 or 16. O(n · channels) for any number of steps.
+    /// Each axis by the sum of the places around each, or by the fewest poles that keep to `accuracy` together: 8, 14 or 16.
+    /// O(n · channels) for any number of steps.
     /// The bound grows with the number of steps by rounding, up to the time at which nothing but the mean is left.
     fn take_steps(
         &self,
@@ -158,20 +159,19 @@ impl Leap for GridHeat {
         progress: Progress<'_>,
     ) -> Result<f64, Cancelled> {
         let own_accuracy = accuracy / self.axes.long().count().max(1) as f64;
-        let (mut bound, mut given) = (0.0, Some(x));
-        for axis in self.axes.long() {
-            let time = 0.25 * n_steps * self.side_weight(axis);
+        let on_axis = |axis: usize| {
             let kind = if self.axes.is_periodic[axis] { LineKind::Ring } else { LineKind::Even };
             let lines = Lines::new(self.axes.sizes[axis], self.axes.stride(axis) * n_channels, kind);
-            let approximation = lines.approximation(time, own_accuracy);
-            lines.diffuse(given.take(), out, time, approximation, progress)?;
-            // Heat never increases the norm, so that the errors add up to their product.
-            let error = lines.error(time, approximation);
-            bound += error + bound * error;
-        }
-        if let Some(x) = given {
+            let heat = lines.heat(0.25 * n_steps * self.side_weight(axis), own_accuracy);
+            (lines, heat)
+        };
+        let axes: Vec<_> = self.axes.long().map(on_axis).collect();
+        if axes.is_empty() {
             out.copy_from_slice(x); // a single place
         }
+        diffuse_axes(&axes, x, out, progress)?;
+        // Heat never increases the norm, so that the errors add up to their product.
+        let bound = axes.iter().fold(0.0, |bound, (_, heat)| bound + heat.error() + bound * heat.error());
         Ok(bound)
     }
 }

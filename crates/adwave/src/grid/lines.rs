@@ -1,99 +1,29 @@
-//! Heat along the lines of one axis, any time at once.
-//!
-//! `exp(−sD)` with the second differences D of a line is replaced by a rational function r with r(0) = 1, whose poles and
-//! residues minimize the greatest error on (−∞, 0] (Carathéodory–Fejér approximation, `trefethen2006`):
-//! `r(−sD)x = x + Σ 2·Re((c/z)·u)` with `(sD + z)u = sDx` for each pair of conjugate poles z with the residue c. Each u is
-//! a complex tridiagonal solve, so the cost does not depend on s. Written in differences, constants are kept to the last
-//! bit and sums to rounding.
+//! Heat along the lines of one axis, any time at once: by the sum of places around each for a short time ([`Taps`]), by
+//! solves for any other ([`Poles`]), and by the mean for a very long one.
 
-// The digits of poles and residues have no groups.
-#![allow(clippy::unreadable_literal)]
-// Functions that are compiled for the vectors of the machine must be inlined into the place that chooses these.
-#![allow(clippy::inline_always)]
-
+use super::poles::{Approximation, Ends, Poles, ROUNDING, Work};
+use super::taps::{COLUMNS, Rows, TapBuffers, Taps};
 use crate::{Cancelled, Progress, parallel};
-use pulp::Simd;
-use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// Lines that are solved together.
-const TOGETHER: usize = 8;
+pub(super) const TOGETHER: usize = 8;
 
-/// Tiles of lines, or rows of the output, that a thread takes at a time.
-const AT_A_TIME: usize = 16;
-
-/// Fewest blocks of lines, one after another in memory, that are solved in place: enough for all threads.
+/// Fewest blocks of lines, one after another in memory, that go to the threads as they are: enough for all.
 const FEWEST_BLOCKS: usize = 64;
 
-/// Fewest lines side by side that are solved in sections, and the values of a section: they stay in a cache.
-const NARROW: usize = 64;
-const SECTION: usize = 1 << 19;
-
-/// Values that a thread copies at a time.
+/// Values of the blocks that a thread takes at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
 
-/// Rounding of the solves, relative to the input and to the time s. Lines of 2 to 1500 places err by at most two thirds of the
-/// bound with it.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Pieces of rows that are listed at a time.
+const PIECES: usize = 1 << 18;
 
 /// Time after which a line of n places is its mean, in n²: the slowest wave decays by exp(−4s/n²) or faster, here to
 /// 4·10⁻¹⁸.
 const LEVELED: f64 = 10.0;
 
-/// Complex number (real, imaginary).
-type Complex = (f64, f64);
-
-/// A rational approximation of the exponential on (−∞, 0].
-pub(crate) struct Approximation {
-    /// Poles with a positive imaginary part, and their residues.
-    pairs: &'static [(Complex, Complex)],
-    /// Greatest error, with that of rounding at short times.
-    error: f64,
-    /// Rounding of the solves, relative to the input and to the time s.
-    rounding: f64,
-}
-
-/// Approximations with 4, 7 and 8 pairs of poles. The greatest errors of the functions are 2.345e-8, 1.43e-13 and, with poles
-/// and residues in 64 bits, 5.4e-15 (measured at 400,000 and 7,800 points); the last two are stated with the rounding of
-/// their solves. The 8 pairs are those of `pusa2012`; their solves cancel more.
-pub(crate) static APPROXIMATIONS: [Approximation; 3] = [
-    Approximation {
-        pairs: &[
-            ((3.2209452450543408, 1.1936196054193322), (-1.8317717106328966, -9.525608129943738)),
-            ((2.2922491478210563, 3.6007714960771353), (2.436240732924865, 3.7167556408605296)),
-            ((0.2694909873674965, 6.082032592700096), (-0.6325880537326855, -0.443923102700152)),
-            ((-3.4085395014618016, 8.773034564408094), (0.028129757161818793, 0.011577384568874135)),
-        ],
-        error: 2.4e-8,
-        rounding: ROUNDING,
-    },
-    Approximation {
-        pairs: &[
-            ((5.62317153475742, 1.1940664287021552), (-27.876162291177156, -102.15000629291019)),
-            ((5.089374564875054, 3.588816095602845), (46.93490458700584, 45.644543838980354)),
-            ((3.993400429650635, 6.004818060139016), (-23.49897941909133, -5.808219208333141)),
-            ((2.2698165258521406, 8.461717806877203), (4.807233308906512, -1.3211122031487392)),
-            ((-0.20872377764902525, 10.991232026333313), (-0.37636336734574083, 0.33520468313104734)),
-            ((-3.703239160176677, 13.656333463712498), (0.009438720567093254, -0.017185736312372236)),
-            ((-8.897735413180298, 16.63093520842446), (-7.153878179758697e-05, 0.00014361901788104045)),
-        ],
-        error: 5e-13,
-        rounding: ROUNDING,
-    },
-    Approximation {
-        pairs: &[
-            ((6.416177699099435, 1.1941223933701386), (-64.50087802553965, -224.59440762652096)),
-            ((5.948152268951177, 3.587457362018322), (113.3977517848393, 101.94721704215857)),
-            ((4.993174737717997, 5.996881713603942), (-62.51839246320792, -11.190391094283228)),
-            ((3.509103608414918, 8.436198985884374), (15.059585270023467, -5.751405277642182)),
-            ((1.419375897185666, 10.925363484496723), (-1.4793007113557999, 1.7686588323782937)),
-            ((-1.4139284624888862, 13.497725698892745), (0.04102313683541002, -0.15743466173455467)),
-            ((-5.264971343442647, 16.22022147316793), (0.0002115174218246603, 0.004389296964738067)),
-            ((-10.843917078696988, 19.27744616718165), (-5.090152186522492e-07, -2.422001765285229e-05)),
-        ],
-        error: 2e-14,
-        rounding: 4.0 * ROUNDING,
-    },
-];
+/// Places on each side up to which sums take less time than the solves of a pair of poles.
+const TAPS_OF_PAIR: usize = 7;
 
 /// The lines of values along one axis.
 pub(crate) struct Lines<'a> {
@@ -116,218 +46,264 @@ pub(crate) enum LineKind<'a> {
     Uneven(&'a [[f64; 2]]),
 }
 
+/// Diffusion along lines for a time, prepared.
+pub(crate) struct LineHeat {
+    method: Method,
+    error: f64,
+}
+
+enum Method {
+    Mean,
+    Taps(Taps),
+    Poles(Poles),
+}
+
+impl LineHeat {
+    /// Bound of the error relative to the norm of the input.
+    pub(crate) fn error(&self) -> f64 {
+        self.error
+    }
+}
+
+/// Buffers of a thread, which it keeps from block to block.
+#[derive(Default)]
+pub(crate) struct LineBuffers {
+    taps: TapBuffers,
+    /// Lines in tiles of [`TOGETHER`].
+    tiles: Vec<f64>,
+    work: Work,
+}
+
+impl LineBuffers {
+    /// Diffuses lines of n places side by side.
+    fn diffuse_rows(&mut self, heat: &LineHeat, n: usize, rows: &mut impl Rows) {
+        if let Method::Taps(taps) = &heat.method {
+            return taps.diffuse_rows(&mut self.taps, n, rows);
+        }
+        self.tiles.resize(rows.row(0).len().div_ceil(TOGETHER) * n * TOGETHER, 0.0);
+        for at in 0..n {
+            let tiles = self.tiles.chunks_exact_mut(n * TOGETHER);
+            for (row, tile) in rows.row(at).chunks(TOGETHER).zip(tiles) {
+                tile[at * TOGETHER..][..row.len()].copy_from_slice(row);
+            }
+        }
+        self.diffuse_tiles(heat, n);
+        for at in 0..n {
+            let tiles = self.tiles.chunks_exact(n * TOGETHER);
+            for (row, tile) in rows.row_mut(at).chunks_mut(TOGETHER).zip(tiles) {
+                row.copy_from_slice(&tile[at * TOGETHER..][..row.len()]);
+            }
+        }
+    }
+
+    /// Diffuses lines of n places that lie one after another, `given` or `lines` itself.
+    fn diffuse_lines(&mut self, heat: &LineHeat, n: usize, given: Option<&[f64]>, lines: &mut [f64]) {
+        if let Method::Taps(taps) = &heat.method {
+            return taps.diffuse_lines(&mut self.taps, n, given, lines);
+        }
+        self.tiles.resize(n * TOGETHER, 0.0);
+        for (k, lines) in lines.chunks_mut(TOGETHER * n).enumerate() {
+            let width = lines.len() / n;
+            let given = given.map_or(&*lines, |given| &given[k * TOGETHER * n..][..lines.len()]);
+            for at in 0..n {
+                (0..width).for_each(|lane| self.tiles[at * TOGETHER + lane] = given[lane * n + at]);
+            }
+            self.diffuse_tiles(heat, n);
+            for at in 0..n {
+                (0..width).for_each(|lane| lines[lane * n + at] = self.tiles[at * TOGETHER + lane]);
+            }
+        }
+    }
+
+    fn diffuse_tiles(&mut self, heat: &LineHeat, n: usize) {
+        for tile in self.tiles.chunks_exact_mut(n * TOGETHER) {
+            match &heat.method {
+                Method::Poles(poles) => poles.run(&mut self.work, tile),
+                Method::Mean => level(tile),
+                Method::Taps(_) => unreachable!("taps take rows and lines as they are"),
+            }
+        }
+    }
+}
+
+/// Some of the lines of a block, from `first` on in each row of `inner` values.
+struct BlockRows<'a> {
+    given: Option<&'a [f64]>,
+    block: &'a mut [f64],
+    inner: usize,
+    first: usize,
+    width: usize,
+}
+
+impl Rows for BlockRows<'_> {
+    fn row(&self, at: usize) -> &[f64] {
+        &self.given.unwrap_or(self.block)[at * self.inner + self.first..][..self.width]
+    }
+
+    fn row_mut(&mut self, at: usize) -> &mut [f64] {
+        &mut self.block[at * self.inner + self.first..][..self.width]
+    }
+}
+
+/// [`BlockRows`] of a thread that has its pieces of the rows.
+struct PieceRows<'a> {
+    given: Option<&'a [f64]>,
+    pieces: Vec<&'a mut [f64]>,
+    inner: usize,
+    first: usize,
+}
+
+impl Rows for PieceRows<'_> {
+    fn row(&self, at: usize) -> &[f64] {
+        let start = at * self.inner + self.first;
+        self.given.map_or(&*self.pieces[at], |given| &given[start..start + self.pieces[at].len()])
+    }
+
+    fn row_mut(&mut self, at: usize) -> &mut [f64] {
+        self.pieces[at]
+    }
+}
+
 impl<'a> Lines<'a> {
     /// The lines of `n` places whose values are `inner` apart.
     pub(crate) fn new(n: usize, inner: usize, kind: LineKind<'a>) -> Self {
         Self { n, inner, kind }
     }
 
-    /// Time of diffusion: on a ring of two places both sides of a place are the other one.
-    fn time(&self, time: f64) -> f64 {
-        if matches!(self.kind, LineKind::Ring) && self.n == 2 { 2.0 * time } else { time }
-    }
-
-    /// Largest weight of a side.
-    fn largest_weight(&self) -> f64 {
-        match self.kind {
+    /// Heat for the time s, in squared spacings or in units of the inverse weights, in the least time that keeps to
+    /// `accuracy`, or else the most exact one.
+    pub(crate) fn heat(&self, time: f64, accuracy: f64) -> LineHeat {
+        // On a ring of two places both sides of a place are the other one.
+        let is_ring = matches!(self.kind, LineKind::Ring) && self.n > 2;
+        let time = if matches!(self.kind, LineKind::Ring) && !is_ring { 2.0 * time } else { time };
+        let is_even = !matches!(self.kind, LineKind::Uneven(_));
+        if is_even && time >= LEVELED * (self.n as f64).powi(2) {
+            return LineHeat { method: Method::Mean, error: ROUNDING * self.n as f64 };
+        }
+        let largest_weight = match self.kind {
             LineKind::Uneven(sides) => {
                 sides.iter().flatten().fold(0.0, |most: f64, weight| most.max(*weight))
             }
             LineKind::Even | LineKind::Ring => 1.0,
+        };
+        let approximation = Approximation::choose(time * largest_weight, accuracy);
+        let error = approximation.error_after(time * largest_weight);
+        if is_even {
+            let taps = Taps::new(time, accuracy, TAPS_OF_PAIR * approximation.n_pairs(), self.n, is_ring);
+            if let Some(taps) = taps.filter(|taps| taps.error() <= accuracy.max(error)) {
+                return LineHeat { error: taps.error(), method: Method::Taps(taps) };
+            }
         }
-    }
-
-    /// True if lines are their means after the time s.
-    fn is_leveled(&self, time: f64) -> bool {
-        !matches!(self.kind, LineKind::Uneven(_)) && time >= LEVELED * (self.n as f64).powi(2)
-    }
-
-    /// Bound of the error of [`diffuse`](Self::diffuse), relative to the norm of its input.
-    pub(crate) fn error(&self, time: f64, approximation: &Approximation) -> f64 {
-        let time = self.time(time);
-        if self.is_leveled(time) {
-            ROUNDING * self.n as f64
-        } else {
-            approximation.error + approximation.rounding * time * self.largest_weight()
-        }
-    }
-
-    /// The approximation with the fewest poles whose error after the time s is at most `error`, or else the most exact one.
-    pub(crate) fn approximation(&self, time: f64, error: f64) -> &'static Approximation {
-        let [few, many @ ..] = &APPROXIMATIONS;
-        let of = |approximation: &Approximation| self.error(time, approximation);
-        if of(few) <= error {
-            return few;
-        }
-        // The others cost nearly the same.
-        many.iter().min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(few)
-    }
-
-    /// Diffuses all lines of `given`, or of `values` itself if there is none, into `values` for the time s: in squared
-    /// spacings, or in units of the inverse weights.
-    pub(crate) fn diffuse(
-        &self,
-        given: Option<&[f64]>,
-        values: &mut [f64],
-        time: f64,
-        approximation: &Approximation,
-        progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
-        let Self { n, inner, .. } = *self;
-        let solve = self.solve(time, approximation);
-        let block = n * inner;
-        if values.len() / block >= FEWEST_BLOCKS {
-            // Lines that lie together are solved in place.
-            let n_blocks = (AT_A_TIME * TOGETHER).div_ceil(inner);
-            return parallel::try_visit_rows(values, block, n_blocks, progress, |first, rows| {
-                let given = given.map(|given| &given[first * block..][..rows.len()]);
-                self.diffuse_blocks(&solve, given, rows);
-            });
-        }
-        // Lines far apart in memory are solved in a buffer, a section of them after the other.
-        let (n_lines, tile_len) = (values.len() / n, n * TOGETHER);
-        let is_wide = inner >= NARROW;
-        let per_section =
-            if is_wide { (SECTION / n).next_multiple_of(TOGETHER).clamp(NARROW, inner) } else { n_lines };
-        let mut tiles = crate::pages::zeros(per_section.div_ceil(TOGETHER) * tile_len);
-        let mut first = 0;
-        while first < n_lines {
-            // Wide sections end where the lines side by side end.
-            let end = if is_wide { (first + per_section).min((first / inner + 1) * inner) } else { n_lines };
-            let n_tiles = (end - first).div_ceil(TOGETHER);
-            let given = given.unwrap_or(values);
-            let tiles = &mut tiles[..n_tiles * tile_len];
-            parallel::try_visit_rows(tiles, tile_len, AT_A_TIME, progress, |k, rows| {
-                let mut work = Work::new(n);
-                for (k, tile) in (k..).zip(rows.chunks_exact_mut(tile_len)) {
-                    self.read_tile(given, first + k * TOGETHER, tile);
-                    solve.run(&mut work, tile);
-                }
-            })?;
-            self.write_section(tiles, first..end, values, progress)?;
-            first = end;
-        }
-        Ok(())
-    }
-
-    /// The solves of lines for a time.
-    pub(crate) fn solve(&self, time: f64, approximation: &Approximation) -> TileSolve {
-        let time = self.time(time);
-        let is_leveled = self.is_leveled(time);
         let weights: Vec<[f64; 2]> = match self.kind {
             LineKind::Uneven(sides) => sides.iter().map(|side| side.map(|weight| time * weight)).collect(),
             LineKind::Even | LineKind::Ring => vec![[time; 2]; self.n],
         };
-        let ends = match self.kind {
-            LineKind::Ring if self.n > 2 => Ends::Joined,
-            LineKind::Even | LineKind::Ring => Ends::Reflecting,
-            LineKind::Uneven(_) => Ends::Weighted,
+        let ends = match is_even {
+            true if is_ring => Ends::Joined,
+            true => Ends::Reflecting,
+            false => Ends::Weighted,
         };
-        let pairs = if is_leveled { &[] } else { approximation.pairs };
-        let solvers = pairs.iter().map(|&(z, c)| Solver::new(&weights, z, c, ends)).collect();
-        TileSolve { solvers, weights, ends, is_leveled }
+        LineHeat { method: Method::Poles(Poles::new(approximation, weights, ends)), error }
     }
 
-    /// Diffuses all lines of some blocks of n × inner values, `given` or `blocks` itself, on the calling thread.
-    pub(crate) fn diffuse_blocks(&self, solve: &TileSolve, given: Option<&[f64]>, blocks: &mut [f64]) {
-        let (mut work, mut tile) = (Work::new(self.n), vec![0.0; self.n * TOGETHER]);
-        for line in (0..blocks.len() / self.n).step_by(TOGETHER) {
-            self.read_tile(given.unwrap_or(blocks), line, &mut tile);
-            solve.run(&mut work, &mut tile);
-            self.write_tile(&tile, line, blocks);
-        }
+    /// Number of values of a block of lines, one after another in memory.
+    fn block(&self) -> usize {
+        self.n * self.inner
     }
 
-    /// Copies the tiles of a section of lines to their places.
-    fn write_section(
+    /// Diffuses all lines of `given`, or of `values` itself if there is none, into `values`; lines side by side go to
+    /// different threads.
+    fn diffuse_columns(
         &self,
-        tiles: &[f64],
-        lines: Range<usize>,
+        heat: &LineHeat,
+        given: Option<&[f64]>,
         values: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         let Self { n, inner, .. } = *self;
-        let outer = lines.start / inner..lines.end.div_ceil(inner);
-        let values = &mut values[outer.start * n * inner..outer.end * n * inner];
-        let n_rows = (VALUES_AT_A_TIME / inner).max(1);
-        parallel::try_visit_rows(values, inner, n_rows, progress, |first, rows| {
-            for (row, values) in (first..).zip(rows.chunks_exact_mut(inner)) {
-                // Lines side by side at one place.
-                let (side, at) = ((outer.start + row / n) * inner, row % n);
-                let mut line = lines.start.max(side);
-                let end = lines.end.min(side + inner);
-                while line < end {
-                    let (tile, lane) = ((line - lines.start) / TOGETHER, (line - lines.start) % TOGETHER);
-                    let n_here = (TOGETHER - lane).min(end - line);
-                    let from = (tile * n + at) * TOGETHER + lane;
-                    values[line - side..][..n_here].copy_from_slice(&tiles[from..from + n_here]);
-                    line += n_here;
+        let spare: Mutex<Vec<LineBuffers>> = Mutex::default();
+        let lock = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+        for (block, values) in values.chunks_exact_mut(n * inner).enumerate() {
+            let given = given.map(|given| &given[block * n * inner..][..n * inner]);
+            let mut rows: Vec<_> =
+                values.chunks_exact_mut(inner).map(|row| row.chunks_mut(COLUMNS)).collect();
+            let (n_groups, at_a_time) = (inner.div_ceil(COLUMNS), (PIECES / n).max(1));
+            for first in (0..n_groups).step_by(at_a_time) {
+                let group = |group: usize| {
+                    let pieces = Vec::with_capacity(n);
+                    PieceRows { given, pieces, inner, first: group * COLUMNS }
+                };
+                let mut groups: Vec<_> = (first..n_groups.min(first + at_a_time)).map(group).collect();
+                for row in &mut rows {
+                    groups.iter_mut().zip(row).for_each(|(group, piece)| group.pieces.push(piece));
                 }
+                let n_rows = groups.len() * n;
+                parallel::try_each(groups, n_rows, progress, |mut group| {
+                    let mut buffers = lock().pop().unwrap_or_default();
+                    buffers.diffuse_rows(heat, n, &mut group);
+                    lock().push(buffers);
+                    Ok(())
+                })?;
             }
-        })
+        }
+        Ok(())
     }
-}
 
-impl Lines<'_> {
-    /// Copies the lines from `line` on into a tile, n × [`TOGETHER`].
-    fn read_tile(&self, values: &[f64], line: usize, tile: &mut [f64]) {
+    /// Diffuses all lines of some blocks of n × inner values, `given` or `blocks` itself, on the calling thread.
+    pub(crate) fn diffuse_blocks(
+        &self,
+        heat: &LineHeat,
+        buffers: &mut LineBuffers,
+        given: Option<&[f64]>,
+        blocks: &mut [f64],
+    ) {
         let Self { n, inner, .. } = *self;
-        let start = |line: usize| line / inner * inner * n + line % inner;
-        if line % inner + TOGETHER <= inner {
-            let first = start(line);
-            for (at, row) in tile.as_chunks_mut::<TOGETHER>().0.iter_mut().enumerate() {
-                row.copy_from_slice(&values[first + at * inner..][..TOGETHER]);
+        if inner == 1 {
+            return buffers.diffuse_lines(heat, n, given, blocks);
+        }
+        for (k, block) in blocks.chunks_exact_mut(n * inner).enumerate() {
+            let given = given.map(|given| &given[k * n * inner..][..n * inner]);
+            for first in (0..inner).step_by(COLUMNS) {
+                let width = COLUMNS.min(inner - first);
+                buffers.diffuse_rows(heat, n, &mut BlockRows { given, block, inner, first, width });
             }
-        } else {
-            for lane in 0..TOGETHER.min(values.len() / n - line) {
-                let start = start(line + lane);
-                for at in 0..n {
-                    tile[at * TOGETHER + lane] = values[start + at * inner];
+        }
+    }
+}
+
+/// Diffuses `given` into `values` along some axes, from the one whose values are farthest apart to the one whose values are
+/// closest, in as few passes over memory as the blocks of their lines allow.
+pub(super) fn diffuse_axes(
+    mut axes: &[(Lines<'_>, LineHeat)],
+    given: &[f64],
+    values: &mut [f64],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let mut given = Some(given);
+    while let [(lines, heat), rest @ ..] = axes {
+        let block = lines.block();
+        if lines.inner > 1 && values.len() / block < FEWEST_BLOCKS {
+            lines.diffuse_columns(heat, given.take(), values, progress)?;
+            axes = rest;
+            continue;
+        }
+        // Lines that lie together are diffused in place, along all axes that are left.
+        let n_blocks = (VALUES_AT_A_TIME / block).max(1);
+        return parallel::try_visit_rows(values, block, n_blocks, progress, |first, rows| {
+            let mut buffers = LineBuffers::default();
+            let mut given = given.map(|given| &given[first * block..][..rows.len()]);
+            if let [(lines, heat)] = axes {
+                return lines.diffuse_blocks(heat, &mut buffers, given, rows);
+            }
+            for rows in rows.chunks_exact_mut(block) {
+                let mut given = given.as_mut().map(|given| given.split_off(..block).expect("a block"));
+                for (lines, heat) in axes {
+                    lines.diffuse_blocks(heat, &mut buffers, given.take(), rows);
                 }
             }
-        }
+        });
     }
-}
-
-impl Lines<'_> {
-    /// Copies a tile, n × [`TOGETHER`], to the lines from `line` on.
-    fn write_tile(&self, tile: &[f64], line: usize, values: &mut [f64]) {
-        let Self { n, inner, .. } = *self;
-        let start = |line: usize| line / inner * inner * n + line % inner;
-        if line % inner + TOGETHER <= inner {
-            let first = start(line);
-            for (at, row) in tile.as_chunks::<TOGETHER>().0.iter().enumerate() {
-                values[first + at * inner..][..TOGETHER].copy_from_slice(row);
-            }
-        } else {
-            for lane in 0..TOGETHER.min(values.len() / n - line) {
-                let start = start(line + lane);
-                for at in 0..n {
-                    values[start + at * inner] = tile[at * TOGETHER + lane];
-                }
-            }
-        }
-    }
-}
-
-/// The solves of tiles of lines for a time.
-pub(crate) struct TileSolve {
-    solvers: Vec<Solver>,
-    weights: Vec<[f64; 2]>,
-    ends: Ends,
-    is_leveled: bool,
-}
-
-impl TileSolve {
-    fn run(&self, work: &mut Work, tile: &mut [f64]) {
-        let Self { solvers, weights, ends, is_leveled } = self;
-        let ends = *ends;
-        if *is_leveled {
-            level(tile);
-        } else {
-            pulp::Arch::new().dispatch(DiffuseTile { work, tile, solvers, weights, ends });
-        }
-    }
+    Ok(())
 }
 
 /// Replaces the lines of a tile, n × [`TOGETHER`], by their means; constants stay to the last bit.
@@ -341,275 +317,4 @@ fn level(tile: &mut [f64]) {
         }
     }
     values.fill(std::array::from_fn(|lane| first[lane] + mean[lane]));
-}
-
-fn multiply(a: Complex, b: Complex) -> Complex {
-    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
-}
-
-fn inverse(a: Complex) -> Complex {
-    let square = a.0 * a.0 + a.1 * a.1;
-    (a.0 / square, -a.1 / square)
-}
-
-/// Neighbor of the first and of the last place of a line, beyond the ends.
-#[derive(Clone, Copy, PartialEq)]
-enum Ends {
-    /// The place itself.
-    Reflecting,
-    /// The place at the other end.
-    Joined,
-    /// None, by the weights.
-    Weighted,
-}
-
-/// Factors of `sD + z` on a line or a ring, and the weight of its solution.
-struct Solver {
-    /// Inverse pivots.
-    pivots: Vec<Complex>,
-    /// Inverse pivots times the weight of the place before, and of the place after.
-    forward: Vec<Complex>,
-    back: Vec<Complex>,
-    /// Solution for the corners of a ring, scaled; empty on a line.
-    corner: Vec<Complex>,
-    /// First entry of the row that a ring adds: −s/γ.
-    corner_row: Complex,
-    /// Twice the residue divided by the pole.
-    weight: Complex,
-}
-
-impl Solver {
-    /// Factors for sides of these weights, the time included.
-    fn new(weights: &[[f64; 2]], pole: Complex, residue: Complex, ends: Ends) -> Self {
-        let (n, [time, _]) = (weights.len(), weights[0]);
-        let mut diagonal: Vec<Complex> =
-            weights.iter().map(|[before, after]| (pole.0 + (before + after), pole.1)).collect();
-        // A ring is a line with corners: sD + z = T + a·bᵀ with a = (γ, 0, …, 0, −s), b = (1, 0, …, 0, −s/γ), γ = −d₀.
-        let middle = diagonal[0];
-        let gamma = (-middle.0, -middle.1);
-        let over = inverse(gamma);
-        match ends {
-            Ends::Reflecting => {
-                diagonal[0] = (pole.0 + time, pole.1);
-                diagonal[n - 1] = diagonal[0];
-            }
-            Ends::Joined => {
-                diagonal[0] = (middle.0 - gamma.0, middle.1 - gamma.1);
-                diagonal[n - 1] = (middle.0 - time * time * over.0, middle.1 - time * time * over.1);
-            }
-            Ends::Weighted => {}
-        }
-        let mut pivots: Vec<Complex> = Vec::with_capacity(n);
-        for (k, d) in diagonal.iter().enumerate() {
-            let (less, product) =
-                if k == 0 { ((0.0, 0.0), 0.0) } else { (pivots[k - 1], weights[k - 1][1] * weights[k][0]) };
-            pivots.push(inverse((d.0 - product * less.0, d.1 - product * less.1)));
-        }
-        let double = multiply(residue, inverse(pole));
-        let times = |side: usize| {
-            pivots.iter().zip(weights).map(|(p, sides)| (sides[side] * p.0, sides[side] * p.1)).collect()
-        };
-        let (forward, back) = (times(0), times(1));
-        let mut solver = Self {
-            pivots,
-            forward,
-            back,
-            corner: Vec::new(),
-            corner_row: (-time * over.0, -time * over.1),
-            weight: (2.0 * double.0, 2.0 * double.1),
-        };
-        if ends == Ends::Joined {
-            let mut q = vec![(0.0, 0.0); n];
-            q[0] = gamma;
-            q[n - 1] = (-time, 0.0);
-            solver.solve_one(&mut q, time);
-            let product = multiply(solver.corner_row, q[n - 1]);
-            let scale = inverse((1.0 + q[0].0 + product.0, q[0].1 + product.1));
-            solver.corner = q.into_iter().map(|q| multiply(q, scale)).collect();
-        }
-        solver
-    }
-
-    /// Solves one line without its corners in place.
-    fn solve_one(&self, x: &mut [Complex], time: f64) {
-        for k in 0..x.len() {
-            let before = if k == 0 { (0.0, 0.0) } else { x[k - 1] };
-            x[k] = multiply((x[k].0 + time * before.0, x[k].1 + time * before.1), self.pivots[k]);
-        }
-        for k in (0..x.len() - 1).rev() {
-            let more = multiply(self.pivots[k], x[k + 1]);
-            x[k] = (x[k].0 + time * more.0, x[k].1 + time * more.1);
-        }
-    }
-}
-
-/// Replaces the lines of a tile by r(−sD) of them, with the vectors of this machine.
-struct DiffuseTile<'a> {
-    work: &'a mut Work,
-    tile: &'a mut [f64],
-    solvers: &'a [Solver],
-    weights: &'a [[f64; 2]],
-    ends: Ends,
-}
-
-impl pulp::WithSimd for DiffuseTile<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { work, tile, solvers, weights, ends } = self;
-        let (values, work) = (S::as_mut_simd_f64s(tile).0, work.vectors::<S>());
-        for side in 0..TOGETHER / S::F64_LANES {
-            let mut lines = LinesOfVector { simd, weights, values: &mut *values, side };
-            lines.differences(ends, &mut *work.right);
-            // The solves of a group take turns, so that none waits for the place before.
-            for group in solvers.chunks(GROUP) {
-                match group {
-                    [a, b, c, d] => lines.add_solutions([a, b, c, d], work.right, work.parts),
-                    [a, b, c] => lines.add_solutions([a, b, c], work.right, work.parts),
-                    [a, b] => lines.add_solutions([a, b], work.right, work.parts),
-                    _ => group.iter().for_each(|a| lines.add_solutions([a], work.right, work.parts)),
-                }
-            }
-        }
-    }
-}
-
-/// Pairs of poles that are solved together: as many as the vectors of the machine hold.
-const GROUP: usize = 4;
-
-/// Buffers of a tile of lines, for [`TOGETHER`] of them or as many as a vector holds.
-struct Work {
-    /// Right-hand sides sDx.
-    right: Vec<f64>,
-    /// Real and imaginary parts of the solutions of a group of pairs.
-    parts: Vec<f64>,
-}
-
-/// Buffers of as many lines as a vector of the machine holds.
-struct WorkOfSimd<'a, S: Simd> {
-    right: &'a mut [S::f64s],
-    parts: &'a mut [S::f64s],
-}
-
-impl Work {
-    fn new(n: usize) -> Self {
-        Self { right: vec![0.0; n * TOGETHER], parts: vec![0.0; 2 * GROUP * n * TOGETHER] }
-    }
-
-    #[inline(always)]
-    fn vectors<S: Simd>(&mut self) -> WorkOfSimd<'_, S> {
-        let Self { right, parts } = self;
-        WorkOfSimd { right: S::as_mut_simd_f64s(right).0, parts: S::as_mut_simd_f64s(parts).0 }
-    }
-}
-
-/// As many lines as a vector of the machine holds, from lane `side` vectors on of a tile.
-struct LinesOfVector<'a, S: Simd> {
-    simd: S,
-    weights: &'a [[f64; 2]],
-    /// Values of the tile, n × vectors of [`TOGETHER`] lines.
-    values: &'a mut [S::f64s],
-    side: usize,
-}
-
-impl<S: Simd> LinesOfVector<'_, S> {
-    /// Vectors of a place of the tile.
-    const VECTORS: usize = TOGETHER / S::F64_LANES;
-
-    /// Computes sDx at all places.
-    #[inline(always)]
-    fn differences(&self, ends: Ends, out: &mut [S::f64s]) {
-        let &Self { simd, weights, side, .. } = self;
-        let n = weights.len();
-        let value = |k: usize| self.values[k * Self::VECTORS + side];
-        let (first, last) = if ends == Ends::Joined { (n - 1, 0) } else { (0, n - 1) };
-        let (mut before, mut here) = (value(first), value(0));
-        for (k, ([left, right], out)) in weights.iter().zip(out).enumerate() {
-            let after = if k + 1 < n { value(k + 1) } else { value(last) };
-            let (less, more) = (simd.sub_f64s(here, before), simd.sub_f64s(here, after));
-            *out = if ends == Ends::Weighted {
-                let less = simd.mul_f64s(simd.splat_f64s(*left), less);
-                simd.mul_add_f64s(simd.splat_f64s(*right), more, less)
-            } else {
-                simd.mul_f64s(simd.splat_f64s(*left), simd.add_f64s(less, more))
-            };
-            (before, here) = (here, after);
-        }
-    }
-
-    /// Solves `(sD + z)u = right` for N poles, and adds the real parts of their weighted solutions to the values.
-    /// `parts` holds n × 2N vectors.
-    #[inline(always)]
-    fn add_solutions<const N: usize>(
-        &mut self,
-        solvers: [&Solver; N],
-        right: &[S::f64s],
-        parts: &mut [S::f64s],
-    ) {
-        let (simd, n) = (self.simd, self.weights.len());
-        let (right, parts) = (&right[..n], &mut parts[..2 * N * n]);
-        let pivots = solvers.map(|solver| &solver.pivots[..n]);
-        let zero = simd.splat_f64s(0.0);
-        let mut states = [[zero; 2]; N];
-        for (k, (right, parts)) in right.iter().zip(parts.chunks_exact_mut(2 * N)).enumerate() {
-            for p in 0..N {
-                let ((a, b), before) = (pivots[p][k], solvers[p].forward[k]);
-                let own = [a, b].map(|part| simd.mul_f64s(simd.splat_f64s(part), *right));
-                states[p] = self.multiply_add(before, states[p], own);
-                [parts[2 * p], parts[2 * p + 1]] = states[p];
-            }
-        }
-        let back = solvers.map(|solver| &solver.back[..n]);
-        let is_ring = solvers.iter().any(|solver| !solver.corner.is_empty());
-        for (k, parts) in parts.chunks_exact_mut(2 * N).enumerate().rev() {
-            let mut value = self.values[k * Self::VECTORS + self.side];
-            for p in 0..N {
-                if k + 1 < n {
-                    states[p] = self.multiply_add(back[p][k], states[p], [parts[2 * p], parts[2 * p + 1]]);
-                }
-                if is_ring {
-                    [parts[2 * p], parts[2 * p + 1]] = states[p];
-                } else {
-                    value = self.add_real_part(solvers[p].weight, states[p], value);
-                }
-            }
-            self.values[k * Self::VECTORS + self.side] = value;
-        }
-        if is_ring {
-            self.add_rings(solvers, parts);
-        }
-    }
-
-    /// Adds the solutions of rings to the values, which are those of lines less a multiple of the corners' solution.
-    #[inline(always)]
-    fn add_rings<const N: usize>(&mut self, solvers: [&Solver; N], parts: &[S::f64s]) {
-        let (simd, n) = (self.simd, self.weights.len());
-        let part = |k: usize, p: usize| [parts[2 * (N * k + p)], parts[2 * (N * k + p) + 1]];
-        for (p, solver) in solvers.into_iter().enumerate() {
-            let factor = self.multiply_add(solver.corner_row, part(n - 1, p), part(0, p));
-            let less = factor.map(|part| simd.neg_f64s(part));
-            for (k, corner) in solver.corner.iter().enumerate() {
-                let solution = self.multiply_add(*corner, less, part(k, p));
-                let at = k * Self::VECTORS + self.side;
-                self.values[at] = self.add_real_part(solver.weight, solution, self.values[at]);
-            }
-        }
-    }
-
-    /// `a·x + y` of complex numbers.
-    #[inline(always)]
-    fn multiply_add(&self, (a, b): Complex, [re, im]: [S::f64s; 2], [x, y]: [S::f64s; 2]) -> [S::f64s; 2] {
-        let (simd, a, b) = (self.simd, self.simd.splat_f64s(a), self.simd.splat_f64s(b));
-        let (x, y) = (simd.mul_add_f64s(a, re, x), simd.mul_add_f64s(a, im, y));
-        [simd.negate_mul_add_f64s(b, im, x), simd.mul_add_f64s(b, re, y)]
-    }
-
-    /// `Re(a·x) + value`.
-    #[inline(always)]
-    fn add_real_part(&self, (a, b): Complex, [re, im]: [S::f64s; 2], value: S::f64s) -> S::f64s {
-        let simd = self.simd;
-        let value = simd.mul_add_f64s(simd.splat_f64s(a), re, value);
-        simd.negate_mul_add_f64s(simd.splat_f64s(b), im, value)
-    }
 }

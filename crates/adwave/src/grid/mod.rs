@@ -24,8 +24,10 @@ mod distance;
 mod heat;
 pub(crate) mod lines;
 mod places;
+mod poles;
 mod runs;
 mod steps;
+mod taps;
 
 pub use heat::GridHeat;
 pub(crate) use places::{NoiseMeasure, NoisePatches};

@@ -190,7 +190,9 @@ impl CompressedRows<f64> {
             offsets[r + 1] += 1;
             last = Some((row, column));
         }
-        for x in 0..n_rows {
+        // The zeros of a matrix without entries are not touched, so that they take no memory.
+        let n_summed = if columns.is_empty() { 0 } else { n_rows };
+        for x in 0..n_summed {
             offsets[x + 1] += offsets[x];
         }
         Ok(Self { pattern: Pattern::new_unchecked(offsets, columns), values, n_columns })

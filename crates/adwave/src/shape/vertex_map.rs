@@ -10,8 +10,8 @@ use crate::parallel::{self, expect_not_cancelled};
 use crate::rows::{Pattern, incidence};
 use crate::{Cancelled, Progress};
 use std::cmp::Ordering;
-use std::sync::Arc;
 use std::sync::atomic::{self, AtomicU32};
+use std::sync::{Arc, OnceLock};
 
 /// Treatment of vertices at equal or nearly equal positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,10 +33,18 @@ pub enum WeldMode {
 /// Map from the vertices `0..n_vertices()` of a shape onto the welded vertices `0..n_welded()`; for a graph, whose
 /// nodes have no positions, a permutation. Copies share it.
 #[derive(Clone, Debug)]
-pub struct VertexMap {
-    welded: Arc<Vec<u32>>,
-    /// Last vertex of the shape in each class.
-    last_member: Arc<Vec<u32>>,
+pub struct VertexMap(Arc<Classes>);
+
+#[derive(Debug)]
+enum Classes {
+    /// Each vertex is a class: a grid has as many vertices as values, so that their numbers are listed only if they are
+    /// asked for.
+    Each { n_vertices: usize, listed: OnceLock<Vec<u32>> },
+    Listed {
+        welded: Vec<u32>,
+        /// Last vertex of the shape in each class.
+        last_member: Vec<u32>,
+    },
 }
 
 /// Number of vertices that a thread processes at a time.
@@ -106,7 +114,7 @@ impl VertexMap {
             },
         )?;
         let welded = welded.into_iter().map(AtomicU32::into_inner).collect();
-        Ok(Self { welded: Arc::new(welded), last_member: Arc::new(last_member) })
+        Ok(Self::listed(welded, last_member))
     }
 
     /// Map with some welded vertices made one: `roots` has the smallest member of each vertex's set. The position of a
@@ -117,13 +125,13 @@ impl VertexMap {
         for (x, &root) in roots.iter().enumerate() {
             if root as usize == x {
                 number[x] = last_member.len() as u32;
-                last_member.push(self.last_member[x]);
+                last_member.push(self.last_members()[x]);
             } else {
                 number[x] = number[root as usize];
             }
         }
-        let welded = self.welded.iter().map(|&x| number[x as usize]).collect();
-        Self { welded: Arc::new(welded), last_member: Arc::new(last_member) }
+        let welded = self.as_slice().iter().map(|&x| number[x as usize]).collect();
+        Self::listed(welded, last_member)
     }
 
     /// A map without welding, with `welded(x) == place[x]`; each place occurs once.
@@ -132,7 +140,7 @@ impl VertexMap {
         for (x, &place) in (0..).zip(&place) {
             vertex_at[place as usize] = x;
         }
-        Self { welded: Arc::new(place), last_member: Arc::new(vertex_at) }
+        Self::listed(place, vertex_at)
     }
 
     /// A map with `welded(x) == class[x]`; each of the `n_classes` classes has a vertex.
@@ -141,7 +149,7 @@ impl VertexMap {
         for (x, &class) in (0..).zip(&class) {
             last_member[class as usize] = x;
         }
-        Self { welded: Arc::new(class), last_member: Arc::new(last_member) }
+        Self::listed(class, last_member)
     }
 
     /// The maps one after another: the vertices and welded vertices of each follow those of the one before.
@@ -149,46 +157,64 @@ impl VertexMap {
         let (mut welded, mut last_member) = (Vec::new(), Vec::new());
         for map in maps {
             let (first_vertex, first) = (welded.len() as u32, last_member.len() as u32);
-            welded.extend(map.welded.iter().map(|x| first + x));
-            last_member.extend(map.last_member.iter().map(|x| first_vertex + x));
+            welded.extend(map.as_slice().iter().map(|x| first + x));
+            last_member.extend(map.last_members().iter().map(|x| first_vertex + x));
         }
-        Self { welded: Arc::new(welded), last_member: Arc::new(last_member) }
+        Self::listed(welded, last_member)
     }
 
     /// A map without welding, in the given order: `welded(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
-        let all = Arc::new((0..n_vertices as u32).collect::<Vec<_>>());
-        Self { welded: Arc::clone(&all), last_member: all }
+        Self(Arc::new(Classes::Each { n_vertices, listed: OnceLock::new() }))
+    }
+
+    fn listed(welded: Vec<u32>, last_member: Vec<u32>) -> Self {
+        Self(Arc::new(Classes::Listed { welded, last_member }))
     }
 
     /// True if the map was made as the identity, so that values need no new order.
     pub(crate) fn is_identity(&self) -> bool {
-        Arc::ptr_eq(&self.welded, &self.last_member)
+        matches!(*self.0, Classes::Each { .. })
     }
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.welded.len()
+        match &*self.0 {
+            Classes::Each { n_vertices, .. } => *n_vertices,
+            Classes::Listed { welded, .. } => welded.len(),
+        }
     }
 
     /// Number of welded vertices.
     pub fn n_welded(&self) -> usize {
-        self.last_member.len()
+        match &*self.0 {
+            Classes::Each { n_vertices, .. } => *n_vertices,
+            Classes::Listed { last_member, .. } => last_member.len(),
+        }
     }
 
     /// Welded vertex of vertex `x` of the shape.
     pub fn welded(&self, x: usize) -> usize {
-        self.welded[x] as usize
+        match &*self.0 {
+            Classes::Each { .. } => x,
+            Classes::Listed { welded, .. } => welded[x] as usize,
+        }
     }
 
     /// [`welded`](Self::welded) for all vertices.
     pub fn as_slice(&self) -> &[u32] {
-        &self.welded
+        match &*self.0 {
+            Classes::Each { n_vertices, listed } => numbers(*n_vertices, listed),
+            Classes::Listed { welded, .. } => welded,
+        }
     }
 
     /// The last vertex of the shape in each welded vertex.
     pub(crate) fn last_members(&self) -> &[u32] {
-        &self.last_member
+        match &*self.0 {
+            Classes::Each { n_vertices, listed } => numbers(*n_vertices, listed),
+            Classes::Listed { last_member, .. } => last_member,
+        }
     }
 
     /// The vertices of the shape in each welded vertex, in ascending order.
@@ -197,7 +223,8 @@ impl VertexMap {
     }
 
     fn try_members(&self, progress: Progress<'_>) -> Result<Pattern, Cancelled> {
-        incidence(self.n_welded(), self.n_vertices(), progress, |x| std::slice::from_ref(&self.welded[x]))
+        let welded = self.as_slice();
+        incidence(self.n_welded(), self.n_vertices(), progress, |x| std::slice::from_ref(&welded[x]))
     }
 
     /// The positions of the welded vertices.
@@ -214,7 +241,8 @@ impl VertexMap {
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, Cancelled> {
-        let position = |class: usize| points[self.last_member[class] as usize].map(|c| c + 0.0); // −0 becomes 0
+        let members = self.last_members();
+        let position = |class: usize| points[members[class] as usize].map(|c| c + 0.0); // −0 becomes 0
         parallel::try_collect(self.n_welded(), progress, position)
     }
 
@@ -245,7 +273,7 @@ impl VertexMap {
         let row = |x: u32| &signal[x as usize * n_channels..][..n_channels];
         if self.n_welded() == self.n_vertices() {
             parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
-                for (mean, &x) in rows.chunks_exact_mut(n_channels).zip(&self.last_member[first..]) {
+                for (mean, &x) in rows.chunks_exact_mut(n_channels).zip(&self.last_members()[first..]) {
                     mean.copy_from_slice(row(x));
                 }
             })?;
@@ -291,12 +319,17 @@ impl VertexMap {
             return Ok(scattered);
         }
         parallel::try_visit_rows(&mut scattered, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
-            for (row, &class) in rows.chunks_exact_mut(n_channels).zip(&self.welded[first..]) {
+            for (row, &class) in rows.chunks_exact_mut(n_channels).zip(&self.as_slice()[first..]) {
                 row.copy_from_slice(&values[class as usize * n_channels..][..n_channels]);
             }
         })?;
         Ok(scattered)
     }
+}
+
+/// The numbers from 0 on.
+fn numbers(n: usize, listed: &OnceLock<Vec<u32>>) -> &[u32] {
+    listed.get_or_init(|| (0..n as u32).collect())
 }
 
 /// Compares points by their coordinates; 0 and −0 are equal.
@@ -400,8 +433,8 @@ mod tests {
 
     #[test]
     fn the_mean_of_equal_values_is_that_value() {
-        let (welded, last_member) = (Arc::new(vec![0, 1, 0, 0]), Arc::new(vec![3, 1]));
-        let vertex_map = VertexMap { welded, last_member };
+        let (welded, last_member) = (vec![0, 1, 0, 0], vec![3, 1]);
+        let vertex_map = VertexMap::listed(welded, last_member);
         assert_eq!(vertex_map.mean(&[0.1, 7.0, 0.1, 0.1], 1), [0.1, 7.0]);
         assert_eq!(vertex_map.mean(&[1.0, 0.0, 2.0, 3.0], 1)[0], 2.0);
         assert_eq!(vertex_map.scatter(&[5, 6], 1), [5, 6, 5, 5]);

@@ -27,7 +27,7 @@
 
 mod causal;
 
-use crate::grid::lines::{APPROXIMATIONS, Approximation, LineKind, Lines, TileSolve};
+use crate::grid::lines::{LineBuffers, LineHeat, LineKind, Lines};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use causal::{Cascade, filter_row};
 use thiserror::Error;
@@ -373,8 +373,8 @@ impl TimeAxis {
 
     /// The step from the width `from` to the width `to`.
     fn level(&self, n_components: usize, from: f64, to: f64) -> TimeLevel<'_> {
-        /// The most exact one, whose errors are those of rounding.
-        const APPROXIMATION: &Approximation = &APPROXIMATIONS[1];
+        /// Of the order of rounding.
+        const ACCURACY: f64 = 1e-12;
         if self.ends == TimeEnds::Causal {
             let gaps = match &self.steps {
                 FrameSteps::Even(_) => None,
@@ -391,13 +391,13 @@ impl TimeAxis {
             (FrameSteps::Even(step), _) => (LineKind::Even, time / (step * step)),
         };
         let lines = Lines::new(self.n_frames, n_components, kind);
-        TimeLevel::Heat { solve: lines.solve(time, APPROXIMATION), lines }
+        TimeLevel::Heat { heat: lines.heat(time, ACCURACY), lines }
     }
 }
 
 /// Smoothing from one width to the next, prepared.
 enum TimeLevel<'a> {
-    Heat { lines: Lines<'a>, solve: TileSolve },
+    Heat { lines: Lines<'a>, heat: LineHeat },
     Causal { shares: Vec<f64>, n_components: usize },
 }
 
@@ -405,7 +405,7 @@ impl TimeLevel<'_> {
     /// Smooths rows of values, frames × components, in place.
     fn advance(&self, rows: &mut [f64]) {
         match self {
-            Self::Heat { lines, solve } => lines.diffuse_blocks(solve, None, rows),
+            Self::Heat { lines, heat } => lines.diffuse_blocks(heat, &mut LineBuffers::default(), None, rows),
             Self::Causal { shares, n_components } => {
                 for row in rows.chunks_exact_mut((shares.len() + 1) * n_components) {
                     filter_row(shares, *n_components, row);

@@ -8,7 +8,7 @@ use super::read::read_nifti;
 use super::write::NiftiFrame;
 use crate::files::atomic::PendingFile;
 use crate::files::positions::{read_at, write_at};
-use crate::model::field::with_values;
+use crate::model::field::{Number, with_values};
 use crate::model::grid_layout::GRID_VALUES;
 use crate::model::grid_values::GridNumbers;
 use crate::{
@@ -29,6 +29,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const HEAD_BYTES: usize = 1 << 16;
 /// Bytes that are compressed between two checks for cancellation.
 const COMPRESSED_PER_STEP: usize = 1 << 18;
+
+/// Values that a thread writes at a time.
+const VALUES_PER_PIECE: usize = 1 << 18;
 
 /// A NIfTI of several volumes that are read one at a time.
 #[derive(Debug)]
@@ -356,6 +359,9 @@ impl<'a> VolumeSeriesWriter<'a> {
     ) -> Result<(), WriteError> {
         assert_eq!(values.len(), self.numbers.n_places, "a value for each voxel");
         let is_single = self.numbers.kind == ValueType::F32 && !self.numbers.is_scaled();
+        if is_single && before.is_none() && self.output.gzip.is_none() {
+            return self.write_singles(volume, values, progress).map_err(|e| e.in_file(&self.path));
+        }
         let values = if is_single {
             FieldValues::F32(values.par_iter().map(|v| *v as f32).collect())
         } else {
@@ -386,6 +392,23 @@ impl<'a> VolumeSeriesWriter<'a> {
             }
         };
         written.map_err(|e| e.in_file(&self.path))
+    }
+
+    /// Writes the values of a volume as floats of 32 bits, each thread its own pieces.
+    fn write_singles(
+        &self,
+        volume: usize,
+        values: &[f64],
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        let (file, start) = (self.output.pending.out.get_ref(), position(&self.head, &self.numbers, volume));
+        values.par_chunks(VALUES_PER_PIECE).enumerate().try_for_each(|(k, values)| {
+            progress.check()?;
+            let mut bytes = Vec::with_capacity(values.len() * size_of::<f32>());
+            values.iter().for_each(|value| (*value as f32).write_bytes(self.numbers.order, &mut bytes));
+            let before = k * VALUES_PER_PIECE * size_of::<f32>();
+            Ok(write_at(file, start + before as u64, &bytes)?)
+        })
     }
 
     /// Flushes the file to the disk and puts it in its place.
