@@ -2,7 +2,7 @@
 //! solves for any other ([`Poles`]), and by the mean for a very long one.
 
 use super::poles::{Approximation, Ends, Poles, ROUNDING, Work};
-use super::taps::{COLUMNS, Rows, TapBuffers, Taps};
+use super::taps::{COLUMNS, LineRows, TapBuffers, Taps};
 use crate::{Cancelled, Progress, parallel};
 use std::sync::{Mutex, PoisonError};
 
@@ -48,11 +48,11 @@ pub(crate) enum LineKind<'a> {
 
 /// Diffusion along lines for a time, prepared.
 pub(crate) struct LineHeat {
-    method: Method,
+    method: LineMethod,
     error: f64,
 }
 
-enum Method {
+enum LineMethod {
     Mean,
     Taps(Taps),
     Poles(Poles),
@@ -76,8 +76,8 @@ pub(crate) struct LineBuffers {
 
 impl LineBuffers {
     /// Diffuses lines of n places side by side.
-    fn diffuse_rows(&mut self, heat: &LineHeat, n: usize, rows: &mut impl Rows) {
-        if let Method::Taps(taps) = &heat.method {
+    fn diffuse_rows(&mut self, heat: &LineHeat, n: usize, rows: &mut impl LineRows) {
+        if let LineMethod::Taps(taps) = &heat.method {
             return taps.diffuse_rows(&mut self.taps, n, rows);
         }
         self.tiles.resize(rows.row(0).len().div_ceil(TOGETHER) * n * TOGETHER, 0.0);
@@ -98,7 +98,7 @@ impl LineBuffers {
 
     /// Diffuses lines of n places that lie one after another, `given` or `lines` itself.
     fn diffuse_lines(&mut self, heat: &LineHeat, n: usize, given: Option<&[f64]>, lines: &mut [f64]) {
-        if let Method::Taps(taps) = &heat.method {
+        if let LineMethod::Taps(taps) = &heat.method {
             return taps.diffuse_lines(&mut self.taps, n, given, lines);
         }
         self.tiles.resize(n * TOGETHER, 0.0);
@@ -118,9 +118,9 @@ impl LineBuffers {
     fn diffuse_tiles(&mut self, heat: &LineHeat, n: usize) {
         for tile in self.tiles.chunks_exact_mut(n * TOGETHER) {
             match &heat.method {
-                Method::Poles(poles) => poles.run(&mut self.work, tile),
-                Method::Mean => level(tile),
-                Method::Taps(_) => unreachable!("taps take rows and lines as they are"),
+                LineMethod::Poles(poles) => poles.run(&mut self.work, tile),
+                LineMethod::Mean => level(tile),
+                LineMethod::Taps(_) => unreachable!("taps take rows and lines as they are"),
             }
         }
     }
@@ -135,7 +135,7 @@ struct BlockRows<'a> {
     width: usize,
 }
 
-impl Rows for BlockRows<'_> {
+impl LineRows for BlockRows<'_> {
     fn row(&self, at: usize) -> &[f64] {
         &self.given.unwrap_or(self.block)[at * self.inner + self.first..][..self.width]
     }
@@ -153,7 +153,7 @@ struct PieceRows<'a> {
     first: usize,
 }
 
-impl Rows for PieceRows<'_> {
+impl LineRows for PieceRows<'_> {
     fn row(&self, at: usize) -> &[f64] {
         let start = at * self.inner + self.first;
         self.given.map_or(&*self.pieces[at], |given| &given[start..start + self.pieces[at].len()])
@@ -178,7 +178,7 @@ impl<'a> Lines<'a> {
         let time = if matches!(self.kind, LineKind::Ring) && !is_ring { 2.0 * time } else { time };
         let is_even = !matches!(self.kind, LineKind::Uneven(_));
         if is_even && time >= LEVELED * (self.n as f64).powi(2) {
-            return LineHeat { method: Method::Mean, error: ROUNDING * self.n as f64 };
+            return LineHeat { method: LineMethod::Mean, error: ROUNDING * self.n as f64 };
         }
         let largest_weight = match self.kind {
             LineKind::Uneven(sides) => {
@@ -191,7 +191,7 @@ impl<'a> Lines<'a> {
         if is_even {
             let taps = Taps::new(time, accuracy, TAPS_OF_PAIR * approximation.n_pairs(), self.n, is_ring);
             if let Some(taps) = taps.filter(|taps| taps.error() <= accuracy.max(error)) {
-                return LineHeat { error: taps.error(), method: Method::Taps(taps) };
+                return LineHeat { error: taps.error(), method: LineMethod::Taps(taps) };
             }
         }
         let weights: Vec<[f64; 2]> = match self.kind {
@@ -203,7 +203,7 @@ impl<'a> Lines<'a> {
             true => Ends::Reflecting,
             false => Ends::Weighted,
         };
-        LineHeat { method: Method::Poles(Poles::new(approximation, weights, ends)), error }
+        LineHeat { method: LineMethod::Poles(Poles::new(approximation, weights, ends)), error }
     }
 
     /// Number of values of a block of lines, one after another in memory.

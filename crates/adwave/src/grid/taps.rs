@@ -17,7 +17,7 @@ use pulp::Simd;
 /// Most lines side by side whose rows are read together: pieces of memory that arrive fast.
 pub(super) const COLUMNS: usize = 96;
 
-/// Rows that are diffused between two moves of the buffer, or four times those on one side if these are more.
+/// LineRows that are diffused between two moves of the buffer, or four times those on one side if these are more.
 const SEGMENT: usize = 256;
 
 /// Values of a line whose mean is taken off. It errs by √(n/16) roundings of the norm at most if one value stands out.
@@ -43,7 +43,7 @@ pub(super) struct Taps {
 }
 
 /// Lines side by side, by their rows: of one place of all lines.
-pub(super) trait Rows {
+pub(super) trait LineRows {
     /// Row `at` of the values that are diffused.
     fn row(&self, at: usize) -> &[f64];
 
@@ -54,7 +54,7 @@ pub(super) trait Rows {
 /// Buffers of a thread.
 #[derive(Default)]
 pub(super) struct TapBuffers {
-    /// Rows less `base`, with those around them.
+    /// LineRows less `base`, with those around them.
     places: Vec<f64>,
     /// First rows of rings.
     first: Vec<f64>,
@@ -88,7 +88,7 @@ impl Taps {
     }
 
     /// Diffuses lines of n places side by side.
-    pub(super) fn diffuse_rows(&self, buffers: &mut TapBuffers, n: usize, rows: &mut impl Rows) {
+    pub(super) fn diffuse_rows(&self, buffers: &mut TapBuffers, n: usize, rows: &mut impl LineRows) {
         pulp::Arch::new().dispatch(DiffuseRows { taps: self, buffers, n, rows });
     }
 
@@ -127,7 +127,9 @@ fn bessel_weights(time: f64, last: usize) -> Vec<f64> {
         weights[k - 1] = here;
     }
     let total = weights[0] + 2.0 * weights[1..].iter().rev().sum::<f64>();
-    weights.iter_mut().for_each(|weight| *weight /= total);
+    for weight in &mut weights {
+        *weight /= total;
+    }
     weights
 }
 
@@ -139,7 +141,7 @@ struct DiffuseRows<'a, R> {
     rows: &'a mut R,
 }
 
-impl<R: Rows> pulp::WithSimd for DiffuseRows<'_, R> {
+impl<R: LineRows> pulp::WithSimd for DiffuseRows<'_, R> {
     type Output = ();
 
     #[inline(always)]
@@ -186,7 +188,7 @@ impl<R: Rows> pulp::WithSimd for DiffuseRows<'_, R> {
             let sums = Sums { simd, weights: &taps.weights, places, step: width };
             let mut column = 0;
             while column < width {
-                let len = sums.piece(width - column);
+                let len = Sums::<S>::piece(width - column);
                 let base = &base[column..column + len];
                 for at in start..end {
                     let middle = (at + m - start) * width + column;
@@ -236,7 +238,7 @@ impl pulp::WithSimd for DiffuseLines<'_> {
             let sums = Sums { simd, weights: &taps.weights, places, step: 1 };
             let mut at = 0;
             while at < n {
-                let len = sums.piece(n - at);
+                let len = Sums::<S>::piece(n - at);
                 sums.write(m + at, &base[..len], &mut line[at..at + len]);
                 at += len;
             }
@@ -256,7 +258,7 @@ struct Sums<'a, S: Simd> {
 impl<S: Simd> Sums<'_, S> {
     /// Number of values that are written at a time if so many are left.
     #[inline(always)]
-    fn piece(&self, n_left: usize) -> usize {
+    fn piece(n_left: usize) -> usize {
         [SUMS * S::F64_LANES, S::F64_LANES].into_iter().find(|len| *len <= n_left).unwrap_or(1)
     }
 
@@ -319,10 +321,10 @@ mod tests {
         assert_eq!(bessel_weights(0.0, 3), [1.0, 0.0, 0.0, 0.0]);
     }
 
-    /// Rows of lines, in place.
+    /// LineRows of lines, in place.
     struct Block<'a>(&'a mut [f64], usize);
 
-    impl Rows for Block<'_> {
+    impl LineRows for Block<'_> {
         fn row(&self, at: usize) -> &[f64] {
             &self.0[at * self.1..][..self.1]
         }

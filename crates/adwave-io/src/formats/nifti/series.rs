@@ -395,17 +395,14 @@ impl<'a> VolumeSeriesWriter<'a> {
     }
 
     /// Writes the values of a volume as floats of 32 bits, each thread its own pieces.
-    fn write_singles(
-        &self,
-        volume: usize,
-        values: &[f64],
-        progress: Progress<'_>,
-    ) -> Result<(), WriteError> {
+    fn write_singles(&self, volume: usize, values: &[f64], progress: Progress<'_>) -> Result<(), WriteError> {
         let (file, start) = (self.output.pending.out.get_ref(), position(&self.head, &self.numbers, volume));
         values.par_chunks(VALUES_PER_PIECE).enumerate().try_for_each(|(k, values)| {
             progress.check()?;
             let mut bytes = Vec::with_capacity(values.len() * size_of::<f32>());
-            values.iter().for_each(|value| (*value as f32).write_bytes(self.numbers.order, &mut bytes));
+            for value in values {
+                (*value as f32).write_bytes(self.numbers.order, &mut bytes);
+            }
             let before = k * VALUES_PER_PIECE * size_of::<f32>();
             Ok(write_at(file, start + before as u64, &bytes)?)
         })
