@@ -3,7 +3,7 @@
 use crate::DeformError;
 use crate::coarse_base::ROWS_AT_A_TIME;
 use adwave::vector::{Vector, cross, dot, norm, subtract};
-use adwave::{Decomposer, Progress};
+use adwave::{BackgroundWork, Decomposer, Progress};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
@@ -84,7 +84,7 @@ pub(crate) fn crossing_pairs(
     }
     let flat = FLAT * after.mean_edge().powi(3);
     let bounds: Vec<Aabb> = (0..triangles.len()).into_par_iter().map(|f| after.bounds(f)).collect();
-    let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &bounds);
+    let bvh = build_hierarchy(&bounds, progress)?;
     let chunks: Vec<Vec<(u32, u32)>> = (0..triangles.len().div_ceil(ROWS_AT_A_TIME))
         .into_par_iter()
         .map(|chunk| {
@@ -108,6 +108,15 @@ pub(crate) fn crossing_pairs(
     let mut pairs = chunks.concat();
     pairs.sort_unstable();
     Ok(pairs)
+}
+
+/// The hierarchy of some boxes. The library cannot be stopped, so that it works on a thread of its own.
+fn build_hierarchy(bounds: &[Aabb], progress: Progress<'_>) -> Result<Bvh, DeformError> {
+    let own = bounds.to_vec();
+    let started = BackgroundWork::start(move || Bvh::from_leaves(BvhBuildStrategy::Binned, &own));
+    let built = started.map(|started| started.finish(progress)).transpose()?.flatten();
+    // Without a thread it is built here.
+    Ok(built.unwrap_or_else(|| Bvh::from_leaves(BvhBuildStrategy::Binned, bounds)))
 }
 
 /// Triangles with positions of their corners.

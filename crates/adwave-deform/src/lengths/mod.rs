@@ -200,6 +200,7 @@ impl LengthSolver {
         while n_steps < MAX_STEPS {
             progress.step(n_steps as u64, MAX_STEPS as u64)?;
             let mut direction = memory.direction(&state.gradient, |v| self.precondition(v));
+            progress.check()?;
             let longest = direction.iter().map(norm).fold(0.0, f64::max);
             let cap = attempt.longest_step * unit;
             let slope = total(&state.gradient, &direction);
@@ -210,6 +211,7 @@ impl LengthSolver {
             let mut length = (cap / longest).min(1.0);
             let mut next = None;
             for _ in 0..MAX_HALVINGS {
+                progress.check()?;
                 let mut trial = state.clone();
                 advance(&mut trial.points, length, &direction);
                 self.energy.evaluate(&mut trial, detail, &contacts);

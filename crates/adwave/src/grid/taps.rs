@@ -17,7 +17,7 @@ use pulp::Simd;
 /// Most lines side by side whose rows are read together: pieces of memory that arrive fast.
 pub(super) const COLUMNS: usize = 96;
 
-/// LineRows that are diffused between two moves of the buffer, or four times those on one side if these are more.
+/// Rows that are diffused between two moves of the buffer, or four times those on one side if these are more.
 const SEGMENT: usize = 256;
 
 /// Values of a line whose mean is taken off. It errs by √(n/16) roundings of the norm at most if one value stands out.
@@ -54,7 +54,7 @@ pub(super) trait LineRows {
 /// Buffers of a thread.
 #[derive(Default)]
 pub(super) struct TapBuffers {
-    /// LineRows less `base`, with those around them.
+    /// Rows less `base`, with those around them.
     places: Vec<f64>,
     /// First rows of rings.
     first: Vec<f64>,
@@ -321,7 +321,7 @@ mod tests {
         assert_eq!(bessel_weights(0.0, 3), [1.0, 0.0, 0.0, 0.0]);
     }
 
-    /// LineRows of lines, in place.
+    /// Rows of lines, in place.
     struct Block<'a>(&'a mut [f64], usize);
 
     impl LineRows for Block<'_> {
