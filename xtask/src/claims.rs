@@ -73,7 +73,7 @@ const CLAIMS: [Claim; 11] = [
     },
     Claim {
         name: "smoothing-a-volume",
-        says: "The cost of smoothing a volume hardly depends on the width.",
+        says: "From narrow to wide, the cost of smoothing a volume doubles at most.",
         page: "PERFORMANCE.md",
         heading: "### One level",
         table: 0,
