@@ -292,10 +292,11 @@ pub(crate) fn write_grid(
     }
     let mut grid = clone_for_output(file, path);
     let (kind, n) = (grid_type(file), file.n_vertices());
-    let values = if kind == ValueType::F32 {
-        FieldValues::F32(join_rows(n, n_channels, |v| v as f32, copy))
-    } else {
-        FieldValues::F64(join_rows(n, n_channels, |v| v, copy))
+    let singles = (kind == ValueType::F32).then(|| join_rows(n, n_channels, |v| v as f32, &copy));
+    // A value beyond the range of 32 bits is refused when it is written.
+    let values = match singles.filter(|values| !values.iter().any(|value| value.is_infinite())) {
+        Some(values) => FieldValues::F32(values),
+        None => FieldValues::F64(join_rows(n, n_channels, |v| v, &copy)),
     };
     grid.set_value_type(Some(kind));
     grid.add_vertex_field(Field::new(GRID_VALUES, n_channels, values))?;

@@ -358,7 +358,10 @@ impl<'a> VolumeSeriesWriter<'a> {
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         assert_eq!(values.len(), self.numbers.n_places, "a value for each voxel");
-        let is_single = self.numbers.kind == ValueType::F32 && !self.numbers.is_scaled();
+        // A value beyond the range of 32 bits goes the way that refuses it.
+        let fits = |value: &f64| (*value as f32).is_finite() || !value.is_finite();
+        let is_single =
+            self.numbers.kind == ValueType::F32 && !self.numbers.is_scaled() && values.par_iter().all(fits);
         if is_single && before.is_none() && self.output.gzip.is_none() {
             return self.write_singles(volume, values, progress).map_err(|e| e.in_file(&self.path));
         }
@@ -546,6 +549,27 @@ mod tests {
             }
             writer.finish(Progress::none()).unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&copy).unwrap());
+        }
+    }
+
+    #[test]
+    fn channels_of_many_pieces_are_written_and_values_beyond_the_type_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let sizes = [64, 64, 65];
+        let (n, file) = (64 * 64 * 65, ShapeFile::from_grid(GridLayout::new(&sizes, &[1.0; 3])).unwrap());
+        assert!(n > VALUES_PER_PIECE);
+        for path in ["a.nii", "a.nii.gz"].map(|name| folder.path().join(name)) {
+            let (writer, _) = VolumeSeriesWriter::begin_channels(&path, &file, ValueType::F32, 2).unwrap();
+            let channel = |c: usize| (0..n).map(|i| (i * 2 + c) as f64).collect::<Vec<_>>();
+            (0..2).for_each(|c| writer.write(c, None, &channel(c), Progress::none()).unwrap());
+            let mut large = channel(0);
+            large[n - 1] = 1e39;
+            let refused = writer.write(1, None, &large, Progress::none()).unwrap_err().to_string();
+            assert!(refused.contains("does not fit"), "{refused}");
+            writer.finish(Progress::none()).unwrap();
+            let read = read_path(&path, &ReadLimits::default()).unwrap();
+            let field = read.field(GRID_VALUES).unwrap();
+            assert!((0..n).all(|i| [0, 1].map(|c| field.get(i, c)) == [0, 1].map(|c| (i * 2 + c) as f64)));
         }
     }
 
