@@ -146,9 +146,8 @@ impl Operator for GridHeat {
 }
 
 impl Leap for GridHeat {
-    /// Each axis by the sum of the places around each, or by the fewest poles that keep to `accuracy` together: 8, 14 or 16.
-    /// O(n · channels) for any number of steps.
-    /// The bound grows with the number of steps by rounding, up to the time at which nothing but the mean is left.
+    /// Each axis by sums of the places around each, or by the fewest poles that keep to `accuracy` together: 8, 14 or 16.
+    /// O(n · channels) for any number of steps. The bound grows with the number of steps by rounding, up to the time at which nothing but the mean is left.
     fn take_steps(
         &self,
         n_steps: f64,

@@ -1,5 +1,5 @@
-//! Heat along the lines of one axis, any time at once: by the sum of places around each for a short time ([`Taps`]), by
-//! solves for any other ([`Poles`]), and by the mean for a very long one.
+//! Heat along the lines of one axis, any time at once: by sums of the places around each for short times ([`Taps`]), by
+//! solves for longer ones ([`Poles`]), and by the mean once nothing else is left.
 
 use super::poles::{Approximation, Ends, Poles, ROUNDING, Work};
 use super::taps::{COLUMNS, LineRows, TapBuffers, Taps};
@@ -11,6 +11,9 @@ pub(super) const TOGETHER: usize = 8;
 
 /// Fewest blocks of lines, one after another in memory, that go to the threads as they are: enough for all.
 const FEWEST_BLOCKS: usize = 64;
+
+/// Most values of such a block: larger ones leave the cache between two axes, and keep a thread too long to stop it.
+const LARGEST_BLOCK: usize = 1 << 20;
 
 /// Values of the blocks that a thread takes at a time.
 const VALUES_AT_A_TIME: usize = 1 << 14;
@@ -223,15 +226,17 @@ impl<'a> Lines<'a> {
         let Self { n, inner, .. } = *self;
         let spare: Mutex<Vec<LineBuffers>> = Mutex::default();
         let lock = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+        // Few lines side by side are shared by all threads.
+        let columns = inner.div_ceil(rayon::current_num_threads()).next_multiple_of(TOGETHER).min(COLUMNS);
         for (block, values) in values.chunks_exact_mut(n * inner).enumerate() {
             let given = given.map(|given| &given[block * n * inner..][..n * inner]);
             let mut rows: Vec<_> =
-                values.chunks_exact_mut(inner).map(|row| row.chunks_mut(COLUMNS)).collect();
-            let (n_groups, at_a_time) = (inner.div_ceil(COLUMNS), (PIECES / n).max(1));
+                values.chunks_exact_mut(inner).map(|row| row.chunks_mut(columns)).collect();
+            let (n_groups, at_a_time) = (inner.div_ceil(columns), (PIECES / n).max(1));
             for first in (0..n_groups).step_by(at_a_time) {
                 let group = |group: usize| {
                     let pieces = Vec::with_capacity(n);
-                    PieceRows { given, pieces, inner, first: group * COLUMNS }
+                    PieceRows { given, pieces, inner, first: group * columns }
                 };
                 let mut groups: Vec<_> = (first..n_groups.min(first + at_a_time)).map(group).collect();
                 for row in &mut rows {
@@ -282,7 +287,8 @@ pub(super) fn diffuse_axes(
     let mut given = Some(given);
     while let [(lines, heat), rest @ ..] = axes {
         let block = lines.block();
-        if lines.inner > 1 && values.len() / block < FEWEST_BLOCKS {
+        let go_whole = values.len() / block >= FEWEST_BLOCKS && block <= LARGEST_BLOCK;
+        if lines.inner > 1 && !go_whole {
             lines.diffuse_columns(heat, given.take(), values, progress)?;
             axes = rest;
             continue;

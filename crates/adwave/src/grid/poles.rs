@@ -75,8 +75,8 @@ static APPROXIMATIONS: [Approximation; 3] = [
 ];
 
 impl Approximation {
-    /// The one with the fewest poles whose error after the time s is at most `error`, or else the most exact one. The
-    /// largest weight of a side counts as the time's unit.
+    /// The one with the fewest poles whose error after a time is at most `error`, or else the most exact one. Times are in
+    /// units of the inverse of the largest weight of a side.
     pub(super) fn choose(time: f64, error: f64) -> &'static Self {
         let [few, many @ ..] = &APPROXIMATIONS;
         if few.error_after(time) <= error {
@@ -86,7 +86,7 @@ impl Approximation {
         many.iter().min_by(|a, b| a.error_after(time).total_cmp(&b.error_after(time))).unwrap_or(few)
     }
 
-    /// Bound of the error after the time s, relative to the norm of the input.
+    /// Bound of the error after a time, relative to the norm of the input.
     pub(super) fn error_after(&self, time: f64) -> f64 {
         self.error + self.rounding * time
     }

@@ -3,11 +3,11 @@
 //! `exp(−sD)` with the second differences D of a line without ends has the weights `w_k = exp(−2s)·I_k(2s)` of the places k
 //! steps away, with the modified Bessel functions I (`lindeberg1990`). Beyond the ends a line goes on as its reflection, or
 //! as the ring that it is. The weights are cut where the rest is below the accuracy, and what is cut goes to the place
-//! itself: they are positive and sum to 1. Values are taken less about their mean, so that constants are kept to the last
-//! bit.
+//! itself: they are positive and sum to 1. The sums are those of the differences from a number near the mean of the line,
+//! so that constants are kept to the last bit.
 //!
-//! Lines side by side are read in rows of [`COLUMNS`] values, a segment of rows with those around it after the other, into a
-//! buffer that stays in a cache.
+//! Lines side by side are read in rows of up to [`COLUMNS`] values into a buffer that stays in a cache, one segment of rows
+//! after the other, each with the rows around it.
 
 // Functions that are compiled for the vectors of the machine must be inlined into the place that chooses these.
 #![allow(clippy::inline_always)]
@@ -20,18 +20,19 @@ pub(super) const COLUMNS: usize = 96;
 /// Rows that are diffused between two moves of the buffer, or four times those on one side if these are more.
 const SEGMENT: usize = 256;
 
-/// Values of a line whose mean is taken off. It errs by √(n/16) roundings of the norm at most if one value stands out.
+/// Values of a line whose mean is subtracted. If one of them stands out, the differences lose up to √(n/16) roundings of
+/// the norm.
 const SAMPLES: usize = 16;
 
 /// Number of vectors whose sums are computed together: enough that none waits for the one before.
 const SUMS: usize = 8;
 
-/// Places beyond the asked number at which the recurrence of the weights starts: each step back gains more than three
-/// digits where weights are small.
-const AHEAD: usize = 32;
+/// Places beyond the last weight that may be needed at which the recurrence starts: weights there are too small beside it
+/// for the start to matter.
+const AHEAD: usize = 64;
 
-/// Accuracy of the weights relative to the one asked: three digits more take a few places more, and save bands that are
-/// small beside their signal a second pass.
+/// Accuracy of the weights relative to the one asked. Three digits more need few more places, and spare bands that are small
+/// beside their signal a second pass.
 const BEYOND: f64 = 1e-3;
 
 /// Weights of the places around a place after a time.
@@ -319,6 +320,24 @@ mod tests {
             }
         }
         assert_eq!(bessel_weights(0.0, 3), [1.0, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_error_of_the_cut_weights_is_bounded() {
+        let n = 1000;
+        let mut n_found = 0;
+        for (time, most) in (0..80).flat_map(|k| [3, 28, 56].map(|most| (1e-4 * 1.21_f64.powi(k), most))) {
+            let exact = bessel_weights(time, n);
+            for accuracy in [3e-3, 1e-6, 1e-9, 1e-12] {
+                let Some(taps) = Taps::new(time, accuracy, most, n, false) else { continue };
+                n_found += 1;
+                let weight = |k: usize| taps.weights.get(k).copied().unwrap_or(0.0);
+                let off = |k: usize| (weight(k) - exact[k]).abs();
+                let error = off(0) + 2.0 * (1..=n).map(off).sum::<f64>();
+                assert!(error <= taps.error, "{time} {most} {accuracy:e}: {error:e} of {:e}", taps.error);
+            }
+        }
+        assert!(n_found > 300, "{n_found} of the times have weights");
     }
 
     /// Rows of lines, in place.

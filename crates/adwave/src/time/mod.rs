@@ -373,7 +373,7 @@ impl TimeAxis {
 
     /// The step from the width `from` to the width `to`.
     fn level(&self, n_components: usize, from: f64, to: f64) -> TimeLevel<'_> {
-        /// Of the order of rounding.
+        /// Relative to the norm of a series: of the order of rounding.
         const ACCURACY: f64 = 1e-12;
         if self.ends == TimeEnds::Causal {
             let gaps = match &self.steps {
