@@ -7,12 +7,12 @@ use crate::options::length;
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::shape::Shape;
+use adwave::shape::{PreparedGeometry, Shape};
 use adwave_io::Subset;
 use adwave_register::{
-    AlignParams, ClosestPointSearch, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Signs,
-    align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place, register,
-    signed_distances,
+    AlignParams, ClosestPointSearch, DescribeError, Motion, Registrand, Registration, SearchParams,
+    ShapeFeatures, Signs, align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place,
+    register, signed_distances,
 };
 use adwave_simplify::{
     Appearance, AppearanceValues, Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud,
@@ -200,6 +200,11 @@ fn matrix<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyAny>> 
     Ok(arrays::matrix(py, motion.matrix().as_flattened().to_vec(), 4)?.into_any())
 }
 
+/// Closest points of a surface.
+fn closest_points(geometry: &PreparedGeometry, progress: Progress<'_>) -> Stage<ClosestPointSearch> {
+    stage(stage(ClosestPointSearch::new(geometry, progress))?.ok_or(DescribeError::NoPositions))
+}
+
 /// Signed distance of each vertex of the first shape to the second, whether it has a sign, and the motion of the second
 /// if it is fitted first.
 #[pyfunction]
@@ -216,13 +221,12 @@ fn distances<'py>(
     let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
     let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
-    let (Some(own), Some(surface)) = (
-        decomposer.geometry().and_then(ClosestPointSearch::new),
-        b.decomposer.geometry().and_then(ClosestPointSearch::new),
-    ) else {
+    let (Some(first), Some(second)) = (decomposer.geometry(), b.decomposer.geometry()) else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
     let work = |p: Progress<'_>| -> Stage<_> {
+        let own = closest_points(first, p)?;
+        let surface = closest_points(second, p)?;
         let mut motion = Motion::default();
         if align {
             motion = aligning_motion(b, a, &own, p)?;

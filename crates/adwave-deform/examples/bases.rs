@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (from, onto) =
         (transfer_decomposer(shape.geometry().unwrap().shape(), Progress::none())?, read_mesh(simpler)?);
     let onto = transfer_decomposer(&onto, Progress::none())?;
-    let surface = ClosestPointSearch::new(from.geometry().unwrap()).ok_or("no surface")?;
+    let surface = ClosestPointSearch::new(from.geometry().unwrap(), Progress::none())?.ok_or("no surface")?;
     println!(
         "| width, % | distance of the simpler mesh with its detail from the shape, rms, % | of the simpler mesh's base |\n|---|---|---|"
     );

@@ -155,7 +155,7 @@ impl CoarsePlaces {
         for (x, &y) in geometry.vertex_map().as_slice().iter().enumerate() {
             number[y as usize] = x as u32;
         }
-        let surface = ClosestPointSearch::new(&geometry).ok_or(DeformError::NoPositions)?;
+        let surface = ClosestPointSearch::new(&geometry, progress)?.ok_or(DeformError::NoPositions)?;
         Ok(Self { surface, number })
     }
 

@@ -3,6 +3,7 @@
 use adwave::shape::{PreparedGeometry, nearest_neighbors};
 use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
+use adwave::{BackgroundWork, Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQueryWithLocation;
@@ -57,31 +58,34 @@ impl ClosestPoint {
 impl ClosestPointSearch {
     /// Builds the search structure in O(n log n); `None` for a graph or a shape without points. A mesh without
     /// triangles is treated as a cloud.
-    pub fn new(geometry: &PreparedGeometry) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`Cancelled`] on cancellation.
+    pub fn new(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option<Self>, Cancelled> {
         let diagonal = geometry.shape().diagonal();
         let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
         let points: Vec<[f64; 3]> = geometry.points().iter().map(|p| p.map(|c| c / unit)).collect();
         if points.is_empty() {
-            return None;
+            return Ok(None);
         }
         let triangles = geometry.triangles();
-        let mesh =
-            || TriMesh::new(points.iter().map(|&p| Vector::from(p)).collect(), triangles.to_vec()).ok();
-        let tri_mesh = if triangles.is_empty() { None } else { mesh() };
-        let index = if let Some(mesh) = tri_mesh {
+        let index = if let Some(mesh) = triangle_mesh(&points, triangles, progress)? {
             SurfaceIndex::Mesh { mesh: Box::new(mesh), border: BorderEdges::new(triangles) }
         } else {
+            let Ok(tree) = ImmutableKdTree::new_from_slice(&points) else { return Ok(None) };
+            progress.check()?;
             let near = nearest_neighbors(&points, FIT_NEIGHBORS);
+            progress.check()?;
             // Spacing of k points that share a disk.
             let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();
             SurfaceIndex::Cloud {
-                tree: Box::new(ImmutableKdTree::new_from_slice(&points).ok()?),
+                tree: Box::new(tree),
                 normals: cloud_normals(&points, &near),
                 spacing: near.radius.iter().map(|r| r * share).collect(),
                 points,
             }
         };
-        Some(Self { unit, index })
+        Ok(Some(Self { unit, index }))
     }
 
     /// Returns true for a mesh with triangles.
@@ -100,6 +104,27 @@ impl ClosestPointSearch {
             }
         };
         ClosestPoint { point: closest.point.map(|c| c * self.unit), ..closest }
+    }
+}
+
+/// The triangles with their hierarchy; `None` if there are none. The library cannot be stopped, so it works on a thread of
+/// its own.
+fn triangle_mesh(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    progress: Progress<'_>,
+) -> Result<Option<TriMesh>, Cancelled> {
+    if triangles.is_empty() {
+        return Ok(None);
+    }
+    let build = || {
+        let corners = points.iter().map(|&p| Vector::from(p)).collect();
+        let triangles = triangles.to_vec();
+        move || TriMesh::new(corners, triangles).ok()
+    };
+    match BackgroundWork::start(build()) {
+        Some(started) => Ok(started.finish(progress)?.flatten()),
+        None => Ok(build()()),
     }
 }
 

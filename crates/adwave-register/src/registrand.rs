@@ -57,7 +57,7 @@ impl Registrand {
         progress: Progress<'_>,
     ) -> Result<Option<Self>, Cancelled> {
         let Some(geometry) = decomposer.geometry() else { return Ok(None) };
-        let Some(surface) = ClosestPointSearch::new(geometry) else { return Ok(None) };
+        let Some(surface) = ClosestPointSearch::new(geometry, progress)? else { return Ok(None) };
         let widest = features.bands.as_ref().map_or(0.0, |b| b.sigma.iter().copied().fold(0.0, f64::max));
         progress.check()?;
         let areas = welded_areas(decomposer);

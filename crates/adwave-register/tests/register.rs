@@ -3,7 +3,7 @@
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
-use adwave::{Decomposer, Progress};
+use adwave::{Cancelled, Decomposer, Progress};
 use adwave_register::{
     AlignParams, CLEAR_CONFIDENCE, ClosestPointSearch, DescribeError, Motion, PairParams, Registrand,
     Registration, SearchParams, Signs, align, closest_fit, common_lengths, describe_shape, fit_in_place,
@@ -218,7 +218,7 @@ fn a_ball_with_bumps_is_turned_back_and_a_plain_ball_has_no_motion() {
 fn a_fit_finds_motion_and_size_and_is_not_tilted_by_what_differs() {
     let shape = creature(8000, 0.0, 1, &Motion::default());
     let target = geometry(&shape);
-    let surface = ClosestPointSearch::new(&target).unwrap();
+    let surface = ClosestPointSearch::new(&target, Progress::none()).unwrap().unwrap();
     let truth = Motion::new([0.05, 0.02, -0.04], [0.02, -0.01, 0.03]);
     for scaled in [false, true] {
         let truth = if scaled { truth.scaled_by(1.03) } else { truth };
@@ -256,7 +256,7 @@ fn distances_have_the_sign_of_the_side_and_none_beyond_a_border() {
         Shape::Mesh(Mesh::new(points, adwave::shape::Polygons::from_triangles(&faces)).unwrap())
     };
     let (below, above) = (geometry(&grid(2, 0.0)), geometry(&grid(1, 0.25)));
-    let surface = ClosestPointSearch::new(&above).unwrap();
+    let surface = ClosestPointSearch::new(&above, Progress::none()).unwrap().unwrap();
     let normals = Signs::Own(vec![[0.0, 0.0, 1.0]; below.points().len()]);
     let found =
         signed_distances(below.points(), &normals, &surface, f64::INFINITY, Progress::none()).unwrap();
@@ -281,7 +281,7 @@ fn distances_have_the_sign_of_the_side_and_none_beyond_a_border() {
 fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
     let shape = creature(2000, 0.2, 4, &Motion::default());
     let target = geometry(&shape);
-    let surface = ClosestPointSearch::new(&target).unwrap();
+    let surface = ClosestPointSearch::new(&target, Progress::none()).unwrap().unwrap();
     let (_, size) = (0, target.shape().diagonal());
     for k in 0..200 {
         let t = f64::from(k);
@@ -312,7 +312,7 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
 fn points_of_a_cloud_stand_for_the_surface_between_them() {
     let sphere = Sample::from_name("sphere", Some(4000)).unwrap();
     let cloud = geometry(&Shape::Cloud(PointCloud::new(sphere.points).unwrap()));
-    let surface = ClosestPointSearch::new(&cloud).unwrap();
+    let surface = ClosestPointSearch::new(&cloud, Progress::none()).unwrap().unwrap();
     for k in 0..100 {
         let t = f64::from(k);
         let p = [(1.7 * t).sin(), (2.3 * t).cos(), (0.7 * t).sin()];
@@ -332,5 +332,17 @@ fn what_has_no_extent_is_refused() {
     // Points on a line do not determine the rotation about it.
     let line: Vec<[f64; 3]> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     assert_eq!(Motion::fit(&line, &line, &[1.0; 5], false), None);
-    assert!(ClosestPointSearch::new(graph.geometry().unwrap()).is_none());
+    assert!(matches!(ClosestPointSearch::new(graph.geometry().unwrap(), Progress::none()), Ok(None)));
+}
+
+#[test]
+fn a_search_that_is_cancelled_is_not_built() {
+    let stop = std::sync::atomic::AtomicBool::new(true);
+    let progress = Progress::none().with_cancel(&stop);
+    let sphere = Sample::from_name("sphere", Some(1000)).unwrap();
+    let cloud = Shape::Cloud(PointCloud::new(sphere.points.clone()).unwrap());
+    let mesh = Shape::Mesh(Mesh::new(sphere.points, sphere.faces).unwrap());
+    for shape in [mesh, cloud] {
+        assert!(matches!(ClosestPointSearch::new(&geometry(&shape), progress), Err(Cancelled)));
+    }
 }

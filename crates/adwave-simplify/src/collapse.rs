@@ -125,6 +125,7 @@ impl<'a> Collapser<'a> {
     ) -> Result<usize, Cancelled> {
         let (mut remaining, mut n_tries) = (n, 0_u64);
         while remaining > n_left {
+            progress.check()?;
             let Some(Reverse(first)) = self.heap.pop() else { break };
             if cost_of(first) > highest {
                 self.heap.push(Reverse(first));

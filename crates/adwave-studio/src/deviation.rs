@@ -31,7 +31,8 @@ pub(crate) fn deviation_response(
     let geometry = decomposer.geometry_for("a comparison").map_err(|e| ApiError::from_classified(&e))?;
     let other = PreparedGeometry::new(&shape_of(other_file)?, WeldMode::default(), progress)
         .map_err(|e| ApiError::from_classified(&e))?;
-    let surface = ClosestPointSearch::new(&other)
+    let surface = ClosestPointSearch::new(&other, progress)
+        .map_err(|e| ApiError::from_classified(&e))?
         .ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
     let stored = [file, other_file].map(file_normals);
     let signs = Signs::choose([geometry, &other], [stored[0].as_deref(), stored[1].as_deref()], progress)

@@ -182,7 +182,7 @@ fn closest_differences(
         alignment = Some(found);
     }
     let geometry = prepare_geometry(&second.shape, global)?;
-    let surface = surface(&geometry, &second.name)?;
+    let surface = surface(&geometry, &second.name, global)?;
     let own = decomposer.geometry_for("a distance")?;
     let (normals, others) = (file_normals(&first.file), file_normals(&second.file));
     // The normals of a file do not turn with its points, so those of a moved shape are not used.
@@ -306,8 +306,13 @@ fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeomet
     PreparedGeometry::new(shape, WeldMode::default(), global.progress()).map_err(|_| CliError::Cancelled)
 }
 
-pub(super) fn surface(geometry: &PreparedGeometry, name: &str) -> Result<ClosestPointSearch, CliError> {
-    ClosestPointSearch::new(geometry)
+pub(super) fn surface(
+    geometry: &PreparedGeometry,
+    name: &str,
+    global: &Global<'_>,
+) -> Result<ClosestPointSearch, CliError> {
+    ClosestPointSearch::new(geometry, global.progress())
+        .map_err(|_| CliError::Cancelled)?
         .ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 

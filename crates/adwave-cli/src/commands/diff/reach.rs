@@ -47,7 +47,7 @@ impl Reach {
         limit: f64,
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
-        let target = surface(to, name)?;
+        let target = surface(to, name, global)?;
         let points = from.points();
         let found = with_progress(global, "measuring", |progress| {
             signed_distances(points, &Signs::Nothing, &target, limit, progress)
