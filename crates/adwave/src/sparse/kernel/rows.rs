@@ -101,7 +101,10 @@ fn fixed<const DEGREE: usize, const D: usize, const FMA: bool, const CHECKED: bo
             moved[c] = fma::<FMA>(weights[e], there[c] - here[c], moved[c]);
         }
     }
-    std::array::from_fn(|c| here[c] + moved[c])
+    for c in 0..D {
+        moved[c] += here[c];
+    }
+    moved
 }
 
 #[inline(always)]
@@ -118,7 +121,10 @@ fn any<const D: usize, const FMA: bool, const CHECKED: bool>(
             moved[c] = fma::<FMA>(w, there[c] - here[c], moved[c]);
         }
     }
-    std::array::from_fn(|c| here[c] + moved[c])
+    for c in 0..D {
+        moved[c] += here[c];
+    }
+    moved
 }
 
 #[inline(always)]

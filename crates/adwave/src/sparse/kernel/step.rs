@@ -118,7 +118,9 @@ pub(super) fn gather<S: VectorNumber, T: VectorNumber, const CHECKED: bool>(
                         let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
                         let row = range::<_, CHECKED>(weights, start, $degree);
                         let row: &[S; $degree] = row.first_chunk().expect("a row of this degree");
-                        *to = row.map(|w| T::rounded(w.to_f64(), 1.0));
+                        for e in 0..$degree {
+                            to[e] = T::rounded(row[e].to_f64(), 1.0);
+                        }
                     },)*
                     _ => for r in 0..n_rows {
                         let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
@@ -178,6 +180,16 @@ pub(super) fn step<
     }
 }
 
+/// The values times `scale`. A loop, because a closure would be compiled without the instruction set of the caller.
+#[inline(always)]
+fn multiple<T: VectorNumber, const L: usize>(values: &[T; L], scale: T) -> [T; L] {
+    let mut result = *values;
+    for value in &mut result {
+        *value = scale.times(*value);
+    }
+    result
+}
+
 /// Start value of a row's sum, and the value at its own vertex, which a lazy walk does not need.
 #[inline(always)]
 fn start<T: VectorNumber, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
@@ -185,8 +197,8 @@ fn start<T: VectorNumber, const L: usize, const FMA: bool, const CHECKED: bool, 
     now: &[[T; L]],
     row: usize,
 ) -> ([T; L], [T; L]) {
-    let [minus_quarter, half] = [-0.25, 0.5].map(|v| T::rounded(v, 1.0));
-    let mut sum = get::<_, CHECKED>(before, row).map(|v| minus_quarter.times(v));
+    let (minus_quarter, half) = (T::rounded(-0.25, 1.0), T::rounded(0.5, 1.0));
+    let mut sum = multiple(get::<_, CHECKED>(before, row), minus_quarter);
     if LAZY {
         return (sum, [T::default(); L]);
     }
@@ -251,7 +263,7 @@ fn fixed<
                 add_group(&mut group, &mut sum);
             }
         }
-        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale.times(v));
+        *get_mut::<_, CHECKED>(next, row) = multiple(&sum, scale);
     }
 }
 
@@ -282,6 +294,6 @@ fn any<I: Index, T: VectorNumber, const L: usize, const FMA: bool, const CHECKED
                 add_group(&mut group, &mut sum);
             }
         }
-        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale.times(v));
+        *get_mut::<_, CHECKED>(next, row) = multiple(&sum, scale);
     }
 }

@@ -270,7 +270,7 @@ fn step<T: WideNumber, const L: usize, const FMA: bool, const LAZY: bool>(
     out: &mut [[T; L]],
 ) {
     let StepInput { before, now, scale } = input;
-    let [minus_quarter, half] = [-0.25, 0.5].map(|v| T::rounded(v, 1.0));
+    let (minus_quarter, half) = (T::rounded(-0.25, 1.0), T::rounded(0.5, 1.0));
     for (x, out) in (first..).zip(out) {
         let range = rows.offsets[x]..rows.offsets[x + 1];
         let mut sum = before.map_or(*out, |before| before[x]);
