@@ -178,8 +178,8 @@ pub enum WriteError {
     },
     /// A value is beyond the numbers of an image or a volume.
     #[error(
-        "the value {value} at place {place} does not fit the {kind} numbers of the {format} file, which are from {low} to \
-         {high}; write another type of number, such as f32"
+        "the value {} at place {place} does not fit the {kind} numbers of the {format} file, which are from {} to {}; {}",
+        digits(*.value), digits(*.low), digits(*.high), another_type(.kind)
     )]
     Misfit {
         /// Format of the file.
@@ -239,6 +239,20 @@ impl ClassifiedError for WriteError {
             | Self::ArrayShape { .. }
             | Self::Frames(_) => ErrorKind::Input,
         }
+    }
+}
+
+/// A number in digits, with an exponent if it has many.
+fn digits(value: f64) -> String {
+    if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") }
+}
+
+/// Advice on values beyond a type of number.
+fn another_type(kind: &str) -> &'static str {
+    if kind == "f32" {
+        "write numbers of 64 bits, such as those of .npz"
+    } else {
+        "write another type of number, such as f32"
     }
 }
 
