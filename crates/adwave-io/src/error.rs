@@ -250,7 +250,7 @@ fn digits(value: f64) -> String {
 /// Advice on values beyond a type of number.
 fn another_type(kind: &str) -> &'static str {
     if kind == "f32" {
-        "write numbers of 64 bits, such as those of .npz"
+        "write another type of number, such as f64, or bands as .npz"
     } else {
         "write another type of number, such as f32"
     }

@@ -566,7 +566,7 @@ mod tests {
             large[n - 1] = 1e39;
             let refused = writer.write(1, None, &large, Progress::none()).unwrap_err().to_string();
             assert!(
-                refused.contains("value 1e39 at") && refused.ends_with("such as those of .npz"),
+                refused.contains("value 1e39 at") && refused.ends_with("such as f64, or bands as .npz"),
                 "{refused}"
             );
             writer.finish(Progress::none()).unwrap();
