@@ -1,6 +1,6 @@
 //! Closest points of a surface.
 
-use adwave::shape::{PreparedGeometry, nearest_neighbors};
+use adwave::shape::{PreparedGeometry, try_nearest_neighbors};
 use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use adwave::{BackgroundWork, Cancelled, Progress};
@@ -73,8 +73,7 @@ impl ClosestPointSearch {
             SurfaceIndex::Mesh { mesh: Box::new(mesh), border: BorderEdges::new(triangles) }
         } else {
             let Ok(tree) = ImmutableKdTree::new_from_slice(&points) else { return Ok(None) };
-            progress.check()?;
-            let near = nearest_neighbors(&points, FIT_NEIGHBORS);
+            let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
             progress.check()?;
             // Spacing of k points that share a disk.
             let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();

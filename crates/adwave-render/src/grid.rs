@@ -56,6 +56,7 @@ pub fn grid(
         return Err(RenderError::NoPanels);
     }
     for panel in panels {
+        progress.check()?;
         panel.surface.check()?;
         check_balls(&panel.balls)?;
     }
@@ -80,8 +81,11 @@ pub fn grid(
     check_size(sheet_width, sheet_rows)?;
     let mut sheet = Picture::blank(sheet_width, sheet_rows, params.background.pixel())?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
-    let framed: Vec<FramedSurface> =
-        panels.iter().map(|p| FramedSurface::new(&p.surface, params.frame)).collect();
+    let mut framed = Vec::with_capacity(panels.len());
+    for panel in panels {
+        progress.check()?;
+        framed.push(FramedSurface::new(&panel.surface, params.frame));
+    }
     let surfaces: Vec<Surface> = framed.iter().map(FramedSurface::surface).collect();
     let subjects: Vec<PreparedSurface> = panels
         .iter()

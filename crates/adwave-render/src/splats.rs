@@ -1,6 +1,6 @@
 //! Discs that represent the points of a cloud.
 
-use adwave::shape::{Neighborhoods, diagonal, nearest_neighbors};
+use adwave::shape::{Neighborhoods, diagonal, try_nearest_neighbors};
 use adwave::signal::cloud_normals;
 use adwave::vector::{Vector, add_scaled, dot, unit};
 use adwave::{Cancelled, Progress};
@@ -36,7 +36,7 @@ impl Splats {
         if n <= 3 {
             return Ok(Self { radii: vec![lone; n], normals: vec![[0.0; 3]; n] });
         }
-        let near = nearest_neighbors(points, NEIGHBORS);
+        let near = try_nearest_neighbors(points, NEIGHBORS, progress)?;
         progress.check()?;
         let own: Vec<f64> = near.radius.par_iter().map(|r| OVERLAP * r).collect();
         let mut sorted: Vec<f64> = own.iter().copied().filter(|r| *r > 0.0).collect();

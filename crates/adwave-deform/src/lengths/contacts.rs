@@ -1,7 +1,8 @@
 //! Vertices that come near each other and were farther apart at rest.
 
-use adwave::shape::{Adjacency, nearest_neighbors};
+use adwave::shape::{Adjacency, try_nearest_neighbors};
 use adwave::vector::{Vector, dot, norm, subtract};
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Number of neighbors through space among which contacts are sought.
@@ -54,10 +55,11 @@ impl Contacts {
         is_free: &[bool],
         margin: f64,
         weight: f64,
-    ) -> Self {
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let places = near_free(points, is_free, margin + kept.iter().copied().fold(0.0, f64::max));
         let chosen: Vec<Vector> = places.iter().map(|&x| points[x as usize]).collect();
-        let near = nearest_neighbors(&chosen, N_NEAREST).adjacency;
+        let near = try_nearest_neighbors(&chosen, N_NEAREST, progress)?.adjacency;
         let rows: Vec<Vec<Contact>> = (0..places.len())
             .into_par_iter()
             .with_min_len(256)
@@ -77,7 +79,7 @@ impl Contacts {
                 near.row(k).iter().filter_map(contact).collect()
             })
             .collect();
-        Self { pairs: rows.concat(), weight }
+        Ok(Self { pairs: rows.concat(), weight })
     }
 
     /// Adds the gradient at free vertices and returns the energy.

@@ -12,6 +12,7 @@ use crate::coarse_base::ROWS_AT_A_TIME;
 use crate::rotation::{Matrix, add_outer, compose, determinant, exponential, image, normalized, to_matrix};
 use adwave::shape::Adjacency;
 use adwave::vector::{Vector, cross, dot, norm, subtract};
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Share α of the as-rigid-as-possible energy, which lets edges shear less than springs alone.
@@ -209,20 +210,16 @@ impl LengthEnergy {
     }
 
     /// Energy, gradient and rotations at the positions of a state.
-    pub(super) fn evaluate(&self, state: &mut LengthState, detail: &[Vector], contacts: &Contacts) {
+    pub(super) fn evaluate(
+        &self,
+        state: &mut LengthState,
+        detail: &[Vector],
+        contacts: &Contacts,
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
         let points = &state.points;
-        let frames: Vec<VertexFrame> = self
-            .active
-            .par_iter()
-            .with_min_len(ROWS_AT_A_TIME / 8)
-            .map(|&x| self.frame(points, &state.turns[x as usize], x as usize))
-            .collect();
-        let of_edges: Vec<(Vector, f64)> = self
-            .free
-            .par_iter()
-            .with_min_len(ROWS_AT_A_TIME / 8)
-            .map(|&x| self.gradient(&frames, points, detail, x as usize))
-            .collect();
+        let frames = for_each_vertex(&self.active, progress, |x| self.frame(points, &state.turns[x], x))?;
+        let of_edges = for_each_vertex(&self.free, progress, |x| self.gradient(&frames, points, detail, x))?;
         // One after the other, so that the sums have the same bits on any number of threads.
         let mut value = 0.0;
         for (&x, (gradient, energy)) in self.free.iter().zip(&of_edges) {
@@ -234,7 +231,23 @@ impl LengthEnergy {
             state.turns[x as usize] = frame.turn;
         }
         state.value = value + contacts.add_to(points, &self.is_free, &mut state.gradient);
+        Ok(())
     }
+}
+
+/// Values of `f` at the vertices of a list, computed in parallel.
+fn for_each_vertex<T: Send>(
+    vertices: &[u32],
+    progress: Progress<'_>,
+    f: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>, Cancelled> {
+    let checked = |(k, &x): (usize, &u32)| {
+        if k.is_multiple_of(ROWS_AT_A_TIME) {
+            progress.check()?;
+        }
+        Ok(f(x as usize))
+    };
+    vertices.par_iter().enumerate().with_min_len(ROWS_AT_A_TIME / 8).map(checked).collect()
 }
 
 /// Newton step, as a rotation vector, from a rotation R toward the one with the largest `⟨R, m⟩`.

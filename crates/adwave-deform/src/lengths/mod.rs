@@ -10,7 +10,7 @@ mod energy;
 use crate::DeformError;
 use crate::crossings::crossing_pairs;
 use adwave::vector::{Vector, dot, norm, subtract};
-use adwave::{BackgroundWork, Decomposer, Progress};
+use adwave::{BackgroundWork, Cancelled, Decomposer, Progress};
 use adwave_baselines::linalg::{Ldlt, LinalgError, SymmetricMatrix};
 use contacts::{Contacts, MARGIN, kept_distances};
 use energy::{LengthEnergy, LengthState};
@@ -169,10 +169,15 @@ impl LengthSolver {
         Ok(found)
     }
 
-    fn contacts(&self, points: &[Vector], weight: f64) -> Contacts {
+    fn contacts(
+        &self,
+        points: &[Vector],
+        weight: f64,
+        progress: Progress<'_>,
+    ) -> Result<Contacts, Cancelled> {
         let unit = self.energy.unit;
         let (margin, scaled) = (MARGIN * unit, weight / (unit * unit));
-        Contacts::new(points, &self.rest, &self.kept, &self.energy.is_free, margin, scaled)
+        Contacts::new(points, &self.rest, &self.kept, &self.energy.is_free, margin, scaled, progress)
     }
 
     /// Steps of L-BFGS until the energy rests.
@@ -185,14 +190,14 @@ impl LengthSolver {
     ) -> Result<KeptLengths, DeformError> {
         let n = self.rest.len();
         let unit = self.energy.unit;
-        let mut contacts = self.contacts(&start.points, attempt.contact);
+        let mut contacts = self.contacts(&start.points, attempt.contact, progress)?;
         let mut state = LengthState {
             points: start.points.clone(),
             turns: start.turns.clone(),
             gradient: vec![[0.0; 3]; n],
             value: 0.0,
         };
-        self.energy.evaluate(&mut state, detail, &contacts);
+        self.energy.evaluate(&mut state, detail, &contacts, progress)?;
         let mut memory = Memory::default();
         let mut listed_at = state.points.clone();
         let mut values = vec![state.value];
@@ -214,7 +219,7 @@ impl LengthSolver {
                 progress.check()?;
                 let mut trial = state.clone();
                 advance(&mut trial.points, length, &direction);
-                self.energy.evaluate(&mut trial, detail, &contacts);
+                self.energy.evaluate(&mut trial, detail, &contacts, progress)?;
                 if trial.value <= state.value + SUFFICIENT * length * slope {
                     next = Some(trial);
                     break;
@@ -234,9 +239,9 @@ impl LengthSolver {
             let moved = state.points.iter().zip(&listed_at).map(|(a, b)| norm(&subtract(a, b)));
             // Both vertices of a pair may move.
             if moved.fold(0.0, f64::max) > 0.5 * MARGIN * unit {
-                contacts = self.contacts(&state.points, attempt.contact);
+                contacts = self.contacts(&state.points, attempt.contact, progress)?;
                 listed_at.clone_from(&state.points);
-                self.energy.evaluate(&mut state, detail, &contacts);
+                self.energy.evaluate(&mut state, detail, &contacts, progress)?;
             }
             values.push(state.value);
             if n_steps >= WATCHED && values[n_steps - WATCHED] - state.value <= AT_REST * state.value {

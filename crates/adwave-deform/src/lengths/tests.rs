@@ -3,9 +3,9 @@
 use super::contacts::{Contacts, kept_distances};
 use super::energy::{LengthEnergy, LengthState};
 use crate::rotation::NO_TURN;
-use adwave::Decomposer;
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape};
+use adwave::{Decomposer, Progress};
 
 #[test]
 fn the_gradient_is_that_of_differences() {
@@ -23,14 +23,16 @@ fn the_gradient_is_that_of_differences() {
     let kept = kept_distances(decomposer.neighbors(), &rest);
     for share in [1.0, 0.4] {
         let energy = LengthEnergy::new(decomposer.neighbors(), &rest, is_free.clone(), share);
-        let contacts = Contacts::new(&start, &rest, &kept, &is_free, energy.unit, 1.0 / energy.unit.powi(2));
+        let (unit, progress) = (energy.unit, Progress::none());
+        let contacts =
+            Contacts::new(&start, &rest, &kept, &is_free, unit, 1.0 / (unit * unit), progress).unwrap();
         let at = |points: Vec<[f64; 3]>| {
             let turns = vec![NO_TURN; points.len()];
             let gradient = vec![[0.0; 3]; points.len()];
             let mut state = LengthState { points, turns, gradient, value: 0.0 };
             // A second time, so that the rotations have come to rest.
-            energy.evaluate(&mut state, &detail, &contacts);
-            energy.evaluate(&mut state, &detail, &contacts);
+            energy.evaluate(&mut state, &detail, &contacts, progress).unwrap();
+            energy.evaluate(&mut state, &detail, &contacts, progress).unwrap();
             state
         };
         let here = at(start.clone());

@@ -50,8 +50,8 @@ pub use health::{Health, encloses_volume, health};
 #[doc(hidden)]
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
-pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
-pub(crate) use nearest::{nearest_of_wanted, try_nearest_neighbors};
+pub(crate) use nearest::nearest_of_wanted;
+pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex, try_nearest_neighbors};
 pub(crate) use order::reverse_cuthill_mckee;
 pub use participation::{KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, is_stray};
 #[doc(hidden)]

@@ -85,8 +85,14 @@ pub fn nearest_to_vertex(points: &[[f64; 3]], x: usize, k: usize, neighbors: &mu
     unit * farthest.sqrt()
 }
 
-/// [`nearest_neighbors`]; stops if the call is cancelled.
-pub(crate) fn try_nearest_neighbors(
+/// [`nearest_neighbors`] that can be stopped.
+///
+/// # Errors
+/// [`Cancelled`] if `progress` was cancelled.
+///
+/// # Panics
+/// If a coordinate is NaN or infinite.
+pub fn try_nearest_neighbors(
     points: &[[f64; 3]],
     k: usize,
     progress: Progress<'_>,
