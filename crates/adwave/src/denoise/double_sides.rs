@@ -1,6 +1,10 @@
 //! Triangles of double-sided meshes, taken once.
 
+use crate::parallel;
 use std::collections::HashMap;
+
+/// Vertices whose triangles a thread compares at a time.
+const CORNERS_AT_A_TIME: usize = 1 << 13;
 
 /// Triangles of which each that occurs in both orientations is kept once, oriented like its neighbors.
 ///
@@ -8,6 +12,9 @@ use std::collections::HashMap;
 /// copies cancel, so that noise along them could not be measured. Triangles that occur in one orientation stay as they
 /// are. O(n).
 pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    if !has_reverse_sides(&triangles) {
+        return triangles;
+    }
     let mut sides: HashMap<[u32; 3], [bool; 2]> = HashMap::with_capacity(triangles.len());
     for triangle in &triangles {
         let (key, is_odd) = sort_corners(*triangle);
@@ -16,9 +23,6 @@ pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     let is_double = |key: &[u32; 3], sides: &HashMap<[u32; 3], [bool; 2]>| {
         sides.get(key).is_some_and(|found| *found == [true; 2]) && key[0] != key[1] && key[1] != key[2]
     };
-    if !sides.keys().any(|key| is_double(key, &sides)) {
-        return triangles;
-    }
     let (mut kept, mut may_turn) = (Vec::with_capacity(triangles.len()), Vec::new());
     for triangle in triangles {
         let key = sort_corners(triangle).0;
@@ -33,6 +37,40 @@ pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     }
     orient(&mut kept, &may_turn);
     kept
+}
+
+/// True if a triangle occurs in both orientations. Each is compared with those that have the same least corner. O(n log d)
+/// for d triangles at a vertex.
+fn has_reverse_sides(triangles: &[[u32; 3]]) -> bool {
+    let least = |triangle: &[u32; 3]| triangle.iter().copied().fold(u32::MAX, u32::min) as usize;
+    let n = triangles.iter().map(least).max().map_or(0, |most| most + 1);
+    let mut ends = vec![0_u32; n + 1];
+    for triangle in triangles {
+        ends[least(triangle) + 1] += 1;
+    }
+    for x in 0..n {
+        ends[x + 1] += ends[x];
+    }
+    let mut by_corner = vec![[0; 3]; triangles.len()];
+    for triangle in triangles {
+        let end = &mut ends[least(triangle)];
+        by_corner[*end as usize] = *triangle;
+        *end += 1;
+    }
+    let found = parallel::map_chunks(n, CORNERS_AT_A_TIME, |corners| {
+        let start = |x: usize| if x == 0 { 0 } else { ends[x - 1] as usize };
+        let mut keys = Vec::new();
+        corners.into_iter().any(|x| {
+            keys.clear();
+            keys.extend(by_corner[start(x)..ends[x] as usize].iter().map(|triangle| sort_corners(*triangle)));
+            keys.sort_unstable();
+            keys.windows(2).any(|pair| {
+                let [(key, is_odd), (other, other_is_odd)] = [pair[0], pair[1]];
+                key == other && is_odd != other_is_odd && key[0] != key[1] && key[1] != key[2]
+            })
+        })
+    });
+    found.contains(&true)
 }
 
 /// Corners in ascending order, and whether the permutation is odd.
