@@ -1,6 +1,10 @@
 //! Numbers by the content of rows and channels, which do not depend on their order.
 
 use crate::CountMatrix;
+use rayon::prelude::*;
+
+/// Rows whose numbers a thread computes at a time.
+const ROWS_AT_A_TIME: usize = 1 << 12;
 
 /// The finalizer of SplitMix64 (`steele2014`).
 pub(crate) fn mix(state: u64) -> u64 {
@@ -20,17 +24,27 @@ pub(crate) fn channel_keys(counts: &CountMatrix<'_>) -> Vec<u64> {
 /// Values of a channel are mixed with the number of their row, so that channels with the same values in another order
 /// differ.
 pub(crate) fn row_and_channel_keys(counts: &CountMatrix<'_>) -> (Vec<u64>, Vec<u64>) {
-    let mut rows = Vec::new();
-    let mut channels = vec![0_u64; counts.n_channels];
-    counts.visit_rows(|row| {
-        let values: Vec<(usize, u64)> =
-            row.filter(|&(_, v)| v != 0.0).map(|(c, v)| (c, mix(v.to_bits()))).collect();
-        let key = mix(values.iter().fold(0_u64, |sum, &(_, bits)| sum.wrapping_add(bits)));
-        for &(c, bits) in &values {
-            channels[c] = channels[c].wrapping_add(mix(bits ^ key));
-        }
-        rows.push(key);
-    });
+    let n = counts.n_rows();
+    let part = |first: usize| {
+        let mut channels = vec![0_u64; counts.n_channels];
+        let mut values: Vec<(usize, u64)> = Vec::new();
+        let rows = (first..(first + ROWS_AT_A_TIME).min(n)).map(|x| {
+            values.clear();
+            values.extend(counts.entries(x).map(|(c, v)| (c, mix(v.to_bits()))));
+            let key = mix(values.iter().fold(0_u64, |sum, &(_, bits)| sum.wrapping_add(bits)));
+            for &(c, bits) in &values {
+                channels[c] = channels[c].wrapping_add(mix(bits ^ key));
+            }
+            key
+        });
+        (rows.collect::<Vec<u64>>(), channels)
+    };
+    let parts: Vec<_> = (0..n).into_par_iter().step_by(ROWS_AT_A_TIME).map(part).collect();
+    let (mut rows, mut channels) = (Vec::with_capacity(n), vec![0_u64; counts.n_channels]);
+    for (own_rows, own_channels) in parts {
+        rows.extend(own_rows);
+        channels.iter_mut().zip(own_channels).for_each(|(sum, own)| *sum = sum.wrapping_add(own));
+    }
     (rows, channels)
 }
 

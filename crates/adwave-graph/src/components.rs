@@ -7,6 +7,7 @@
 
 use crate::channel_keys::{channel_keys, mix};
 use crate::{CountMatrix, GraphWalkError};
+use adwave::pages::zeros;
 use adwave::rows::CompressedRows;
 use adwave::{Progress, named_values};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -106,24 +107,23 @@ impl CenteredRows {
     /// Transforms the channels that are kept; all others are 0.
     pub(crate) fn new(counts: &CountMatrix<'_>, is_kept: &[bool], scaling: ComponentScaling) -> Self {
         let mut rows = sparse_rows(counts, is_kept);
-        let totals: Vec<f64> = (0..rows.n_rows()).map(|x| rows.row(x).1.iter().sum()).collect();
+        let totals: Vec<f64> =
+            (0..rows.n_rows()).into_par_iter().map(|x| rows.row(x).1.iter().sum()).collect();
         let mut positive: Vec<f64> = totals.iter().copied().filter(|&total| total > 0.0).collect();
         positive.sort_unstable_by(f64::total_cmp);
         let median = positive.get(positive.len() / 2).copied().unwrap_or(1.0);
-        let offsets = rows.offsets().to_vec();
         let transform = |share: f64| match scaling {
             ComponentScaling::Shares => share.sqrt(),
             ComponentScaling::EqualGenes => (median * share).ln_1p(),
         };
-        for (x, total) in totals.iter().enumerate() {
-            // Quotients are rounded once, so that equal shares are equal numbers.
-            rows.values_mut()[offsets[x]..offsets[x + 1]].iter_mut().for_each(|v| *v = transform(*v / total));
-        }
+        // Quotients are rounded once, so that equal shares are equal numbers.
+        rows.visit_rows_mut(|x, _, values| values.iter_mut().for_each(|v| *v = transform(*v / totals[x])));
         let mut means = means(&rows);
         if scaling == ComponentScaling::EqualGenes {
             let factors = inverse_deviations(&rows, &means);
-            let columns = rows.columns().to_vec();
-            rows.values_mut().iter_mut().zip(&columns).for_each(|(v, &c)| *v *= factors[c as usize]);
+            rows.visit_rows_mut(|_, columns, values| {
+                values.iter_mut().zip(columns).for_each(|(v, &c)| *v *= factors[c as usize]);
+            });
             means.iter_mut().zip(&factors).for_each(|(mean, factor)| *mean *= factor);
         }
         Self { rows, means }
@@ -195,30 +195,18 @@ impl CenteredRows {
 
     /// `(R − 1mᵀ)ᵀU`, n_channels × width, of U, n_nodes × width. Parts of fixed size are summed in their order.
     fn backward(&self, scores: &[f64], width: usize) -> Vec<f64> {
-        let n = self.rows.n_rows();
-        let length = n.div_ceil(MOST_PARTS).max(ROWS_OF_PART);
-        let parts: Vec<(Vec<f64>, Vec<f64>)> = (0..n.div_ceil(length))
-            .into_par_iter()
-            .map(|part| {
-                let mut out = vec![0.0; self.rows.n_columns() * width];
-                let mut sums = vec![0.0; width];
-                for x in part * length..((part + 1) * length).min(n) {
-                    let score = &scores[x * width..][..width];
-                    sums.iter_mut().zip(score).for_each(|(sum, v)| *sum += v);
-                    let (columns, values) = self.rows.row(x);
-                    for (&c, &value) in columns.iter().zip(values) {
-                        let row = &mut out[c as usize * width..][..width];
-                        row.iter_mut().zip(score).for_each(|(out, v)| *out += value * v);
-                    }
-                }
-                (out, sums)
-            })
-            .collect();
-        let (mut out, mut total) = (vec![0.0; self.rows.n_columns() * width], vec![0.0; width]);
-        for (part, sums) in &parts {
-            out.iter_mut().zip(part).for_each(|(out, v)| *out += v);
-            total.iter_mut().zip(sums).for_each(|(total, v)| *total += v);
-        }
+        let n_products = self.rows.n_columns() * width;
+        let mut out = sum_over_rows(self.rows.n_rows(), n_products + width, |x, sums| {
+            let (out, sums) = sums.split_at_mut(n_products);
+            let score = &scores[x * width..][..width];
+            sums.iter_mut().zip(score).for_each(|(sum, v)| *sum += v);
+            let (columns, values) = self.rows.row(x);
+            for (&c, &value) in columns.iter().zip(values) {
+                let row = &mut out[c as usize * width..][..width];
+                row.iter_mut().zip(score).for_each(|(out, v)| *out += value * v);
+            }
+        });
+        let total = out.split_off(n_products);
         for (row, mean) in out.chunks_exact_mut(width).zip(&self.means) {
             row.iter_mut().zip(&total).for_each(|(out, total)| *out -= mean * total);
         }
@@ -233,23 +221,53 @@ fn unit_number(bits: u64) -> f64 {
 
 /// The entries of the channels that are kept, without zeros.
 fn sparse_rows(counts: &CountMatrix<'_>, is_kept: &[bool]) -> CompressedRows<f64> {
-    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    counts.visit_rows(|row| {
-        for (c, v) in row.filter(|&(c, v)| v != 0.0 && is_kept[c]) {
-            columns.push(c as u32);
-            values.push(v);
-        }
-        offsets.push(columns.len());
-    });
-    CompressedRows::new(offsets, columns, values, counts.n_channels).expect("rows of a matrix, in order")
+    let n = counts.n_rows();
+    let kept = |x: usize| counts.entries(x).filter(|&(c, _)| is_kept[c]);
+    let n_entries: Vec<usize> = (0..n).into_par_iter().map(|x| kept(x).count()).collect();
+    let mut offsets = vec![0; n + 1];
+    for x in 0..n {
+        offsets[x + 1] = offsets[x] + n_entries[x];
+    }
+    // Each thread fills its own rows, whose places are known: growing lists would take twice the memory.
+    let mut columns: Vec<u32> = zeros(offsets[n]);
+    let mut free = columns.as_mut_slice();
+    let mut places = Vec::with_capacity(n);
+    for n_entries in n_entries {
+        let (row, after) = std::mem::take(&mut free).split_at_mut(n_entries);
+        places.push(row);
+        free = after;
+    }
+    let fill =
+        |(x, row): (usize, &mut [u32])| row.iter_mut().zip(kept(x)).for_each(|(to, (c, _))| *to = c as u32);
+    places.into_par_iter().enumerate().for_each(fill);
+    let values = zeros(columns.len());
+    let mut rows = CompressedRows::new(offsets, columns, values, counts.n_channels).expect("rows in order");
+    rows.visit_rows_mut(|x, _, values| values.iter_mut().zip(kept(x)).for_each(|(to, (_, v))| *to = v));
+    rows
+}
+
+/// Sums over all rows of what `add(x, sums)` adds to `n_sums` of them, part after part of a fixed size.
+fn sum_over_rows(n_rows: usize, n_sums: usize, add: impl Fn(usize, &mut [f64]) + Sync) -> Vec<f64> {
+    let length = n_rows.div_ceil(MOST_PARTS).max(ROWS_OF_PART);
+    let part = |first: usize| {
+        let mut sums = vec![0.0; n_sums];
+        (first..(first + length).min(n_rows)).for_each(|x| add(x, &mut sums));
+        sums
+    };
+    let parts: Vec<Vec<f64>> = (0..n_rows).into_par_iter().step_by(length).map(part).collect();
+    let mut total = vec![0.0; n_sums];
+    for part in &parts {
+        total.iter_mut().zip(part).for_each(|(total, v)| *total += v);
+    }
+    total
 }
 
 /// Mean of each column.
 fn means(rows: &CompressedRows<f64>) -> Vec<f64> {
-    let mut sums = vec![0.0; rows.n_columns()];
-    for (&c, v) in rows.columns().iter().zip(rows.values()) {
-        sums[c as usize] += v;
-    }
+    let sums = sum_over_rows(rows.n_rows(), rows.n_columns(), |x, sums| {
+        let (columns, values) = rows.row(x);
+        columns.iter().zip(values).for_each(|(&c, v)| sums[c as usize] += v);
+    });
     let n = rows.n_rows().max(1) as f64;
     sums.iter().map(|sum| sum / n).collect()
 }
@@ -257,11 +275,15 @@ fn means(rows: &CompressedRows<f64>) -> Vec<f64> {
 /// Inverse of the standard deviation of each column; 0 for a constant one.
 fn inverse_deviations(rows: &CompressedRows<f64>, means: &[f64]) -> Vec<f64> {
     let n = rows.n_rows() as f64;
-    let (mut squares, mut n_entries) = (vec![0.0; means.len()], vec![0.0; means.len()]);
-    for (&c, v) in rows.columns().iter().zip(rows.values()) {
-        squares[c as usize] += (v - means[c as usize]).powi(2);
-        n_entries[c as usize] += 1.0;
-    }
+    let mut squares = sum_over_rows(rows.n_rows(), 2 * means.len(), |x, sums| {
+        let (squares, n_entries) = sums.split_at_mut(means.len());
+        let (columns, values) = rows.row(x);
+        for (&c, v) in columns.iter().zip(values) {
+            squares[c as usize] += (v - means[c as usize]).powi(2);
+            n_entries[c as usize] += 1.0;
+        }
+    });
+    let n_entries = squares.split_off(means.len());
     let inverse = |c: usize| {
         let mean: f64 = means[c];
         let variance = (squares[c] + (n - n_entries[c]) * mean * mean) / n;

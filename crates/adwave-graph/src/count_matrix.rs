@@ -137,21 +137,23 @@ impl CountMatrix<'_> {
         }
     }
 
-    /// Calls `each` with the channels and values of each row, from the first on; zeros may be missing.
-    pub(crate) fn visit_rows(&self, mut each: impl FnMut(&mut dyn Iterator<Item = (usize, f64)>)) {
+    pub(crate) fn n_rows(&self) -> usize {
         match self.values {
-            CountValues::Dense(values) => {
-                for row in values.chunks_exact(self.n_channels.max(1)) {
-                    each(&mut row.iter().copied().enumerate());
-                }
-            }
-            CountValues::Sparse(rows) => {
-                for x in 0..rows.n_rows() {
-                    let (columns, values) = rows.row(x);
-                    each(&mut columns.iter().zip(values).map(|(&c, &v)| (c as usize, v)));
-                }
-            }
+            CountValues::Dense(values) => values.len() / self.n_channels.max(1),
+            CountValues::Sparse(rows) => rows.n_rows(),
         }
+    }
+
+    /// Channels and values of a row, in the order of the channels, without zeros.
+    pub(crate) fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
+        let (dense, (columns, values)) = match self.values {
+            CountValues::Dense(values) => {
+                (&values[row * self.n_channels..][..self.n_channels], Default::default())
+            }
+            CountValues::Sparse(rows) => (Default::default(), rows.row(row)),
+        };
+        let stored = columns.iter().zip(values).map(|(&c, &v)| (c as usize, v));
+        dense.iter().copied().enumerate().chain(stored).filter(|&(_, v)| v != 0.0)
     }
 
     /// Writes some channels of a row.

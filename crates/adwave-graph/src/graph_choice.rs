@@ -243,14 +243,12 @@ impl CellSample {
         let mut row_of = vec![usize::MAX; row_keys.len()];
         cells.iter().enumerate().for_each(|(row, &(_, x))| row_of[x] = row);
         let mut rows = vec![Vec::new(); cells.len()];
-        let mut x = 0;
-        counts.visit_rows(|row| {
-            if let Some(out) = rows.get_mut(row_of[x]) {
-                out.extend(row.filter(|&(_, v)| v != 0.0).map(|(c, v)| (place_of[c], v)));
+        for (x, &row) in row_of.iter().enumerate() {
+            if let Some(out) = rows.get_mut(row) {
+                out.extend(counts.entries(x).map(|(c, v)| (place_of[c], v)));
                 out.sort_unstable_by_key(|entry| entry.0);
             }
-            x += 1;
-        });
+        }
         let entries =
             rows.iter().enumerate().flat_map(|(x, row)| row.iter().map(move |&(c, v)| (x as u32, c, v)));
         let counts = CompressedRows::from_sorted(cells.len(), counts.n_channels, entries.collect::<Vec<_>>())

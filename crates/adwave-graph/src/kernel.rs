@@ -3,6 +3,7 @@
 use crate::{GraphWalkError, NearestLists};
 use adwave::rows::CompressedRows;
 use adwave::{Progress, named_values};
+use rayon::prelude::*;
 
 /// Weight of a pair of neighbors at the distance d.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -171,7 +172,7 @@ fn symmetric(
         }
     }
     progress.check()?;
-    entries.sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+    entries.par_sort_unstable_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
     progress.check()?;
     // Of two directions the smaller comes first, in both rows: sums have the same bits.
     let mut merged: Vec<(u32, u32, f64)> = Vec::with_capacity(entries.len());

@@ -4,7 +4,11 @@ use crate::GraphWalkError;
 use adwave::operator::Diffusion;
 use adwave::rows::CompressedRows;
 use adwave::{Progress, named_values};
+use rayon::prelude::*;
 use std::sync::OnceLock;
+
+/// Rows that a thread compares with their columns at a time, at least.
+const ROWS_COMPARED: usize = 256;
 
 /// Treatment of the diagonal of the weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -149,13 +153,8 @@ impl WalkMatrix {
             return Err(GraphWalkError::BadWeight { row, column: row, value: sums[row] });
         }
         let n_isolated = (0..sums.len()).filter(|&x| is_isolated(&weights, x)).count();
-        // A copy of one row at a time: columns of all entries would take a third of the memory of the matrix again.
-        let mut others = Vec::new();
-        for x in 0..sums.len() {
-            others.clear();
-            others.extend_from_slice(weights.row(x).0);
-            let start = weights.offsets()[x];
-            for (w, &y) in weights.values_mut()[start..].iter_mut().zip(&others) {
+        weights.visit_rows_mut(|x, columns, values| {
+            for (w, &y) in values.iter_mut().zip(columns) {
                 let there = sums[y as usize];
                 *w = match normalization {
                     _ if *w == 0.0 => 0.0,
@@ -164,7 +163,7 @@ impl WalkMatrix {
                     Normalization::Symmetric => *w / (sums[x].sqrt() * there.sqrt()),
                 };
             }
-        }
+        });
         let rows = with_stays(weights, &sums, stay);
         let is_symmetric = asymmetry.is_none();
         Ok(Self { rows, transpose: OnceLock::new(), normalization, is_symmetric, n_isolated })
@@ -364,7 +363,8 @@ const SYMMETRY_TOLERANCE: f64 = 1e-12;
 
 /// First entry that differs from its reverse.
 fn first_asymmetry(weights: &CompressedRows<f64>) -> Option<(usize, usize)> {
-    (0..weights.n_rows()).find_map(|x| {
+    let rows = (0..weights.n_rows()).into_par_iter().with_min_len(ROWS_COMPARED);
+    rows.find_map_first(|x| {
         let (columns, values) = weights.row(x);
         let wrong = columns.iter().zip(values).find(|(y, w)| {
             let reverse = weights.get(**y as usize, x);

@@ -4,6 +4,9 @@ use super::{Pattern, RowsError, rows_at_a_time};
 use crate::parallel;
 use crate::{Cancelled, Progress};
 
+/// Rows that a thread changes at a time.
+const ROWS_OF_BLOCK: usize = 1 << 10;
+
 /// Type of a stored value: `f32` for a basis, `f64` for operators and for the reference basis.
 pub trait Value: Copy + Default + Send + Sync + PartialEq + Into<f64> {
     /// The stored value nearest to `value`.
@@ -115,6 +118,39 @@ impl<V> CompressedRows<V> {
     /// Value of each entry, mutable.
     pub fn values_mut(&mut self) -> &mut [V] {
         &mut self.values
+    }
+
+    /// Calls `work(x, columns, values)` for each row `x`, on all threads.
+    ///
+    /// ```
+    /// use adwave::rows::CompressedRows;
+    /// let mut rows = CompressedRows::new(vec![0, 1, 3], vec![1, 0, 1], vec![2.0, 3.0, 4.0], 2)?;
+    /// rows.visit_rows_mut(|x, _, values| values.iter_mut().for_each(|v| *v += 10.0 * x as f64));
+    /// assert_eq!(rows.values(), [2.0, 13.0, 14.0]);
+    /// # Ok::<(), adwave::rows::RowsError>(())
+    /// ```
+    pub fn visit_rows_mut(&mut self, work: impl Fn(usize, &[u32], &mut [V]) + Sync + Send)
+    where
+        V: Send,
+    {
+        let (pattern, n_rows) = (&self.pattern, self.pattern.n_rows());
+        let (mut blocks, mut rest) = (Vec::new(), &mut self.values[..]);
+        for first in (0..n_rows).step_by(ROWS_OF_BLOCK) {
+            let rows = first..(first + ROWS_OF_BLOCK).min(n_rows);
+            let n_entries = pattern.offsets()[rows.end] - pattern.offsets()[first];
+            let (block, after) = std::mem::take(&mut rest).split_at_mut(n_entries);
+            blocks.push((rows, block));
+            rest = after;
+        }
+        let visited = parallel::try_each(blocks, n_rows, Progress::none(), |(rows, mut rest)| {
+            for x in rows {
+                let (values, after) = rest.split_at_mut(pattern.row(x).len());
+                work(x, pattern.row(x), values);
+                rest = after;
+            }
+            Ok(())
+        });
+        parallel::expect_not_cancelled(visited);
     }
 
     /// Columns and values of row `x`.
