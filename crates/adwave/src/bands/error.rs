@@ -171,7 +171,10 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
     }
     let bad = parallel::map_chunks(n_vertices, 1 << 14, |rows| {
         let start = rows.start * n_channels;
-        signal[start..rows.end * n_channels].iter().position(|v| !v.is_finite()).map(|at| start + at)
+        let values = &signal[start..rows.end * n_channels];
+        // All at once: an early end would compare value by value.
+        let all_finite = values.iter().fold(true, |all, v| all & v.is_finite());
+        if all_finite { None } else { values.iter().position(|v| !v.is_finite()).map(|at| start + at) }
     });
     if let Some(at) = bad.into_iter().flatten().next() {
         let (vertex, channel) = (at / n_channels, at % n_channels);

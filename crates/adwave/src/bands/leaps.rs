@@ -12,6 +12,7 @@ use crate::operator::{Invariant, Leap, RowWeights};
 use crate::pages::zeros;
 use crate::sparse::SignalView;
 use crate::{Cancelled, Progress, parallel};
+use std::ops::Range;
 
 /// Accuracy of a leap relative to the requested accuracy of the bands, or to what a band that missed it needs.
 const MARGIN: f64 = 0.1;
@@ -179,6 +180,11 @@ impl RowNorm<'_> {
         };
         let weight = |x: usize| even.unwrap_or_else(|| self.weights.weight(x, n));
         if d == 1 {
+            if let Some(even) = even {
+                let chunk = |rows: Range<usize>| sum(&signal[rows], |value| value);
+                let parts = parallel::map_chunks(n, super::bands::VERTICES_AT_A_TIME, chunk);
+                return vec![even * parts.into_iter().sum::<f64>()];
+            }
             return vec![parallel::sum(n, |x| weight(x) * signal[x]) / total];
         }
         // All channels at once: one by one, each would read the whole signal.
@@ -200,9 +206,9 @@ impl RowNorm<'_> {
                 }
             }
             match self.weights {
-                RowWeights::Uniform => sum_of_squares(rows) / n as f64,
+                RowWeights::Uniform => sum(rows, square) / n as f64,
                 RowWeights::Each(weights) => (rows.chunks_exact(d).zip(&weights[first..]))
-                    .map(|(row, weight)| weight * sum_of_squares(row))
+                    .map(|(row, weight)| weight * sum(row, square))
                     .sum(),
             }
         };
@@ -249,16 +255,21 @@ impl RowNorm<'_> {
     }
 }
 
-/// Values whose squares are summed at once.
+/// Values whose terms are summed at once.
 const TOGETHER: usize = 8;
 
-fn sum_of_squares(values: &[f64]) -> f64 {
+/// Sum of a term of each value.
+fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     let (chunks, last) = values.as_chunks::<TOGETHER>();
     let mut sums = [0.0; TOGETHER];
     for chunk in chunks {
-        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value * value);
+        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += term(*value));
     }
-    sums.iter().sum::<f64>() + last.iter().map(|value| value * value).sum::<f64>()
+    sums.iter().sum::<f64>() + last.iter().map(|value| term(*value)).sum::<f64>()
+}
+
+fn square(value: f64) -> f64 {
+    value * value
 }
 
 /// Calls `put(out, finer, coarser)` for each value, which returns that of the band, and returns the sums of squares of the

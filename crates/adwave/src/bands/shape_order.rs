@@ -189,12 +189,15 @@ impl Transform {
         factors: &[f64],
         progress: Progress<'_>,
     ) -> Result<(Vec<f64>, BandsInfo), BandsError> {
-        check_signal(signal, vertex_map.n_vertices(), n_channels)?;
+        let is_identity = vertex_map.is_identity();
+        if !is_identity {
+            check_signal(signal, vertex_map.n_vertices(), n_channels)?;
+        }
         check_factors(factors, schedule)?;
         let result = 8 * signal.len() as u64;
         self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 2))?;
         let mut sum = zeros(signal.len());
-        if vertex_map.is_identity() {
+        if is_identity {
             let info = self.weighted_into(signal, n_channels, schedule, factors, &mut sum, progress)?;
             return Ok((sum, info));
         }

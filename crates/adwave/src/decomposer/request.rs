@@ -438,14 +438,13 @@ impl<'a> BandsRequest<'a> {
     ) -> Result<(Vec<f64>, BandsInfo), FilterError> {
         self.check(layers)?;
         let filled = self.filled()?;
-        check_signal(&filled, self.decomposer.n_vertices(), self.n_channels)?;
         if let [layer] = layers
             && !self.is_linear()
         {
             // Γ − 1 = r·(g − 1): the weight is a factor of the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = layer.gains.iter().map(|g| g - 1.0).collect();
             let (change, info) = self.unmasked_weighted(&filled, &factors)?;
-            return Ok((self.add_weighted(&layer.weights, &change), info));
+            return Ok((self.add_weighted(&layer.weights, change), info));
         }
         let wavelets = self.unmasked_wavelets(&filled)?;
         let vertex_map = self.vertex_map();
@@ -467,17 +466,23 @@ impl<'a> BandsRequest<'a> {
     }
 
     /// Computes `f + r·change`.
-    fn add_weighted(&self, weights: &RegionWeights, change: &[f64]) -> Vec<f64> {
-        let (d, weights) = (self.n_channels, weights.to_vertices(self.vertex_map()));
-        let mut edited = self.signal.to_vec();
+    fn add_weighted(&self, weights: &RegionWeights, change: Vec<f64>) -> Vec<f64> {
+        let (d, mut edited) = (self.n_channels, change);
+        // Adding 0 would turn −0 into 0, and a file's text with it.
+        let sum = |value: f64, change: f64| if change == 0.0 { value } else { value + change };
+        let weights = match weights {
+            RegionWeights::Everywhere => None,
+            weights => Some(weights.to_vertices(self.vertex_map())),
+        };
         parallel::visit_rows(&mut edited, d, 1 << 12, |first, rows| {
-            for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
-                for (value, change) in row.iter_mut().zip(&change[x * d..]) {
-                    let change = weights[x] * change;
-                    if change != 0.0 {
-                        *value += change; // adding 0 would turn −0 into 0, and a file's text with it
-                    }
-                }
+            let before = &self.signal[first * d..][..rows.len()];
+            let Some(weights) = &weights else {
+                rows.iter_mut().zip(before).for_each(|(new, value)| *new = sum(*value, *new));
+                return;
+            };
+            let rows = rows.chunks_exact_mut(d).zip(before.chunks_exact(d));
+            for ((row, before), weight) in rows.zip(&weights[first..]) {
+                row.iter_mut().zip(before).for_each(|(new, value)| *new = sum(*value, weight * *new));
             }
         });
         if let Some(mask) = &self.decomposer.mask {

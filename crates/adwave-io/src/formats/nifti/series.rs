@@ -8,7 +8,7 @@ use super::read::read_nifti;
 use super::write::NiftiFrame;
 use crate::files::atomic::PendingFile;
 use crate::files::positions::{read_at, write_at};
-use crate::model::field::{Number, with_values};
+use crate::model::field::{ByteOrder, Number, with_values};
 use crate::model::grid_layout::GRID_VALUES;
 use crate::model::grid_values::GridNumbers;
 use crate::{
@@ -32,6 +32,9 @@ const COMPRESSED_PER_STEP: usize = 1 << 18;
 
 /// Values that a thread writes at a time.
 const VALUES_PER_PIECE: usize = 1 << 18;
+
+/// Values that are checked at a time.
+const VALUES_PER_BLOCK: usize = 1 << 12;
 
 /// A NIfTI of several volumes that are read one at a time.
 #[derive(Debug)]
@@ -153,8 +156,8 @@ impl VolumeSeries {
             let mut values = self.numbers.kind.empty();
             with_values!(&mut values, v => *v = self.numbers.adjacent(&self.bytes(volume, progress)?));
             Ok(match values {
-                FieldValues::F32(values) => values.iter().all(|x| x.is_finite()),
-                FieldValues::F64(values) => values.iter().all(|x| x.is_finite()),
+                FieldValues::F32(values) => all(&values, |x| x.is_finite()),
+                FieldValues::F64(values) => all(&values, |x| x.is_finite()),
                 _ => true,
             })
         };
@@ -268,6 +271,11 @@ fn gzip_reader(path: &Path) -> io::Result<MultiGzDecoder<BufReader<File>>> {
     Ok(MultiGzDecoder::new(BufReader::with_capacity(1 << 18, File::open(path)?)))
 }
 
+/// True if `is_good` holds for all values. It ends early only between blocks; within one, it would compare value by value.
+fn all<T>(values: &[T], is_good: impl Fn(&T) -> bool) -> bool {
+    values.chunks(VALUES_PER_BLOCK).all(|block| block.iter().fold(true, |all, value| all & is_good(value)))
+}
+
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -359,11 +367,14 @@ impl<'a> VolumeSeriesWriter<'a> {
     ) -> Result<(), WriteError> {
         assert_eq!(values.len(), self.numbers.n_places, "a value for each voxel");
         // A value beyond the range of 32 bits goes the way that refuses it.
-        let fits = |value: &f64| (*value as f32).is_finite() || !value.is_finite();
-        let is_single =
-            self.numbers.kind == ValueType::F32 && !self.numbers.is_scaled() && values.par_iter().all(fits);
-        if is_single && before.is_none() && self.output.gzip.is_none() {
-            return self.write_singles(volume, values, progress).map_err(|e| e.in_file(&self.path));
+        let fits = |value: &f64| (*value as f32).is_finite() | !value.is_finite();
+        let is_single = self.numbers.kind == ValueType::F32
+            && !self.numbers.is_scaled()
+            && values.par_chunks(VALUES_PER_PIECE).all(|values| all(values, fits));
+        if is_single && self.output.gzip.is_none() {
+            let before = before.map(|before| &before.bytes[..]);
+            let written = self.write_singles(volume, before, values, progress);
+            return written.map_err(|e| e.in_file(&self.path));
         }
         let values = if is_single {
             FieldValues::F32(values.par_iter().map(|v| *v as f32).collect())
@@ -397,17 +408,38 @@ impl<'a> VolumeSeriesWriter<'a> {
         written.map_err(|e| e.in_file(&self.path))
     }
 
-    /// Writes the values of a volume as floats of 32 bits, each thread its own pieces.
-    fn write_singles(&self, volume: usize, values: &[f64], progress: Progress<'_>) -> Result<(), WriteError> {
+    /// Writes the values of a volume as floats of 32 bits, each thread its own pieces. Where the bytes `before` are those of
+    /// the same value, they stay.
+    fn write_singles(
+        &self,
+        volume: usize,
+        before: Option<&[u8]>,
+        values: &[f64],
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
         let (file, start) = (self.output.pending.out.get_ref(), position(&self.head, &self.numbers, volume));
+        let order = self.numbers.order;
         values.par_chunks(VALUES_PER_PIECE).enumerate().try_for_each(|(k, values)| {
             progress.check()?;
-            let mut bytes = Vec::with_capacity(values.len() * size_of::<f32>());
-            for value in values {
-                (*value as f32).write_bytes(self.numbers.order, &mut bytes);
+            let first = k * VALUES_PER_PIECE * size_of::<f32>();
+            let to_bytes = |number: f32| match order {
+                ByteOrder::Little => number.to_le_bytes(),
+                ByteOrder::Big => number.to_be_bytes(),
+            };
+            let mut bytes = vec![0; size_of_val(values) / 2];
+            let numbers = bytes.as_chunks_mut().0.iter_mut().zip(values);
+            if let Some(before) = before {
+                let before = before[first..].as_chunks::<{ size_of::<f32>() }>().0;
+                for ((number, value), before) in numbers.zip(before) {
+                    let (new, old) = (*value as f32, f32::from_bytes(before, order));
+                    // Zeros of either sign are equal, and NaN has many patterns.
+                    let is_same = (new == old) | (new.is_nan() & !old.is_finite());
+                    *number = if is_same { *before } else { to_bytes(new) };
+                }
+            } else {
+                numbers.for_each(|(number, value)| *number = to_bytes(*value as f32));
             }
-            let before = k * VALUES_PER_PIECE * size_of::<f32>();
-            Ok(write_at(file, start + before as u64, &bytes)?)
+            Ok(write_at(file, start + first as u64, &bytes)?)
         })
     }
 
