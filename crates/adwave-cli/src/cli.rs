@@ -70,7 +70,28 @@ const HELP: &str = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n\
 
 /// The command line with its help.
 pub(crate) fn command() -> clap::Command {
-    Cli::command().mut_subcommands(|command| command.help_template(HELP))
+    with_paragraphs(Cli::command()).mut_subcommands(|command| with_paragraphs(command).help_template(HELP))
+}
+
+/// Length from which on a line of a help text goes on in the next one: that of the lines of this source, less a long word.
+const FULL_LINE: usize = 105;
+
+/// A command with each paragraph of its prose in one line, which is then wrapped at the width of the terminal.
+fn with_paragraphs(command: clap::Command) -> clap::Command {
+    let Some(text) = command.get_after_help().map(ToString::to_string) else { return command };
+    let mut joined = String::new();
+    let mut before = "";
+    for line in text.lines() {
+        let is_prose = |line: &str| line.starts_with(|c: char| !c.is_whitespace());
+        let word = line.split(' ').next().unwrap_or_default();
+        let is_full = before.chars().count() + 1 + word.chars().count() > FULL_LINE;
+        if !joined.is_empty() {
+            joined.push(if is_full && is_prose(before) && is_prose(line) { ' ' } else { '\n' });
+        }
+        joined.push_str(line);
+        before = line;
+    }
+    command.after_help(joined)
 }
 
 /// Words that people try as a command or an option, each with the command that does it.
@@ -221,6 +242,20 @@ mod tests {
         assert!(said("adwave decimate a.ply").contains("adwave simplify"));
         assert!(said("adwave filter a.ply --level 5 -o b.ply").contains("'--levels'"));
         assert!(!said("adwave denoise a.ply --iterations 3 -o b.ply").contains("as a value"));
+    }
+
+    #[test]
+    fn prose_of_help_is_wrapped_at_the_width_of_the_terminal_alone() {
+        const WIDTH: usize = 72;
+        let mut command = command().term_width(WIDTH);
+        let help = command.find_subcommand_mut("denoise").unwrap().render_long_help().to_string();
+        let paragraph = help.split("\n\n").find(|p| p.starts_with("Points of a cloud move")).unwrap();
+        let lines: Vec<&str> = paragraph.lines().collect();
+        assert!(lines.len() > 5, "{paragraph}");
+        for pair in lines.windows(2) {
+            let word = pair[1].split(' ').next().unwrap();
+            assert!(pair[0].chars().count() + word.chars().count() >= WIDTH, "{paragraph}");
+        }
     }
 
     #[test]
