@@ -224,30 +224,23 @@ fn test() -> StepResult {
     cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
-    // One core each: broken input and then the documentation beside the tests of the package, most of which are serial.
-    let fuzzing = Command::new(target().join("debug/adwave-fuzz"))
-        .current_dir(root())
-        .args(["--seconds", FUZZED_SECONDS])
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .map_err(|e| format!("cannot run adwave-fuzz: {e}"))?;
-    let documented = std::thread::spawn(move || -> StepResult {
-        let fuzzed = fuzzing.wait_with_output().map_err(|e| format!("cannot wait for adwave-fuzz: {e}"))?;
+    // The tests of the package, most of which are serial, beside those of the page, which wait for the browser; then broken
+    // input and the documentation beside the rest.
+    let package = std::thread::spawn(|| -> StepResult {
+        package::test_package(&[])?;
+        let adwave = target().join("debug/adwave");
+        compare_with_scipy(&adwave, "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
         println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
-        print!("{}{}", String::from_utf8_lossy(&fuzzed.stdout), String::from_utf8_lossy(&fuzzed.stderr));
-        if !fuzzed.status.success() {
-            return Err(format!("adwave-fuzz failed: {}", fuzzed.status));
-        }
+        let fuzzer = target().join("debug/adwave-fuzz");
+        run(Command::new(fuzzer).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;
         site::build()?;
         // Only those crates that are not published are left.
         let words = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
         cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])
     });
-    package::test_package(&[])?;
-    documented.join().map_err(|_| "the thread of broken input panicked")??;
-    studio::test()?;
-    compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
+    let page = studio::test();
+    package.join().map_err(|_| "the thread of the package panicked")??;
+    page?;
     dependencies()
 }
 
