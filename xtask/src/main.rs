@@ -54,6 +54,9 @@ usage: cargo xtask COMMAND
             measures again what they rest on, beside the other programs, in about an hour
   bench-grids [--models DIR] [--only PART]
             time heat and bands of images and volumes beside SciPy and write the section of docs/PERFORMANCE.md on them
+  bench-commands [--only COMMAND]
+            time five commands and libraries that do the same, from 10,000 to 10,000,000 vertices, and write the section and
+            the picture of docs/PERFORMANCE.md on them, in about half an hour
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
   bench-match [--seeds choose|final] [--cases N] [--seconds N] [--curve FILE.svg]
@@ -128,6 +131,7 @@ fn main() -> ExitCode {
         ["bench-claims"] => xtask::claims::write(&root()),
         ["bench-claims", "--measure"] => measure_claims(),
         ["bench-grids", ref rest @ ..] => grids::bench_grids(rest),
+        ["bench-commands", ref rest @ ..] => peers::bench_commands(rest),
         ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
         ["command-check"] => command_check(),
@@ -180,6 +184,7 @@ fn command_check() -> StepResult {
 fn measure_claims() -> StepResult {
     peers::bench_peers(&[])?;
     denoise::bench_denoise(&["--only", denoise::PART])?;
+    peers::bench_commands(&[])?;
     grids::bench_grids(&[])?;
     clouds::bench_clouds(&[])?;
     xtask::claims::write(&root())
