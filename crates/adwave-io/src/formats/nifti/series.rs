@@ -609,6 +609,36 @@ mod tests {
     }
 
     #[test]
+    fn floats_that_stay_keep_their_bytes_in_every_piece() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, copy] = ["a.nii", "b.nii"].map(|name| folder.path().join(name));
+        let n = 64 * 64 * 65;
+        let mut file = ShapeFile::from_grid(GridLayout::new(&[64, 64, 65], &[1.0; 3])).unwrap();
+        let values = FieldValues::F32((0..2 * n).map(|i| i as f32 + 0.1).collect());
+        file.add_vertex_field(Field::new(GRID_VALUES, 2, values)).unwrap();
+        write_path(&file, &path, None).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let start = bytes.len() - 4 * n; // of the second volume
+        let odd_nan = f32::from_bits(0x7fc0_0abc);
+        for (place, number) in [(7, -0.0_f32), (n - 2, -0.0), (n - 1, odd_nan)] {
+            bytes[start + 4 * place..][..4].copy_from_slice(&number.to_le_bytes());
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        let series = VolumeSeries::open(&path, &ReadLimits::default()).unwrap();
+        let writer = VolumeSeriesWriter::begin(&copy, &series).unwrap();
+        let read = series.read(0..2, Progress::none()).unwrap();
+        writer.write(0, Some(&read[0]), &read[0].values, Progress::none()).unwrap();
+        let mut changed = read[1].values.clone();
+        changed[7] = 0.0;
+        changed[n - 1] = f64::NAN;
+        changed[n - 3] = 1.0 / 3.0;
+        writer.write(1, Some(&read[1]), &changed, Progress::none()).unwrap();
+        writer.finish(Progress::none()).unwrap();
+        bytes[start + 4 * (n - 3)..][..4].copy_from_slice(&(1.0_f32 / 3.0).to_le_bytes());
+        assert!(bytes == std::fs::read(&copy).unwrap());
+    }
+
+    #[test]
     fn compressed_volumes_are_those_of_the_plain_file() {
         let folder = tempfile::tempdir().unwrap();
         let [path, plain, packed] = ["a.nii.gz", "b.nii", "c.nii.gz"].map(|name| folder.path().join(name));
