@@ -27,7 +27,7 @@ pub struct UnknownValue {
 
 /// True for a number in the range of those above.
 fn is_extreme(x: f64) -> bool {
-    (x <= SMALL[0]) | (x > 1e19)
+    x <= SMALL[0] || x > 1e19
 }
 
 fn may_be_unknown(x: f64) -> bool {

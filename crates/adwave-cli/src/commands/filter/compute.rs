@@ -370,7 +370,7 @@ impl SignalChange {
             let difference = if is_known { (a - b).abs() } else { 0.0 };
             max[lane] = if difference > max[lane] { difference } else { max[lane] };
             squares[lane] += difference * difference;
-            n_changed[lane] += u64::from(is_known & (a != b));
+            n_changed[lane] += u64::from(is_known && a != b);
             n_known[lane] += u64::from(is_known);
         };
         let ((befores, last_before), (afters, last_after)) = (before.as_chunks(), after.as_chunks());
