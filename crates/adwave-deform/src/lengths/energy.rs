@@ -218,8 +218,8 @@ impl LengthEnergy {
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         let points = &state.points;
-        let frames = for_each_vertex(&self.active, progress, |x| self.frame(points, &state.turns[x], x))?;
-        let of_edges = for_each_vertex(&self.free, progress, |x| self.gradient(&frames, points, detail, x))?;
+        let frames = map_vertices(&self.active, progress, |x| self.frame(points, &state.turns[x], x))?;
+        let of_edges = map_vertices(&self.free, progress, |x| self.gradient(&frames, points, detail, x))?;
         // One after the other, so that the sums have the same bits on any number of threads.
         let mut value = 0.0;
         for (&x, (gradient, energy)) in self.free.iter().zip(&of_edges) {
@@ -236,7 +236,7 @@ impl LengthEnergy {
 }
 
 /// Values of `f` at the vertices of a list, computed in parallel.
-fn for_each_vertex<T: Send>(
+fn map_vertices<T: Send>(
     vertices: &[u32],
     progress: Progress<'_>,
     f: impl Fn(usize) -> T + Sync,
