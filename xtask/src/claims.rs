@@ -250,7 +250,7 @@ page: they are the rows of the pages named, of the day on which these came into 
 
 ```sh
 cargo xtask bench-claims             # this page and its tables, from the measurements that the pages have
-cargo xtask bench-claims --measure   # measure again first, about an hour; installs the peers below target/
+cargo xtask bench-claims --measure   # measure again first, an hour and a half; installs the peers below target/
 ```
 
 "

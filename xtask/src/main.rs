@@ -51,7 +51,7 @@ usage: cargo xtask COMMAND
             exists
   bench-claims [--measure]
             write docs/BENCHMARKS.md and the tables in docs/benchmarks from the measurements in the other pages; --measure first
-            measures again what they rest on, beside the other programs, in about an hour
+            measures again what they rest on, beside the other programs, in an hour and a half
   bench-grids [--models DIR] [--only PART]
             time heat and bands of images and volumes beside SciPy and write the section of docs/PERFORMANCE.md on them
   bench-commands [--only COMMAND]
