@@ -168,7 +168,7 @@ def draw(found, path):
     import matplotlib
 
     matplotlib.use("Agg")
-    # The same figures give the same file.
+    # Equal figures give an equal file.
     matplotlib.rcParams["svg.hashsalt"] = "adwave"
     import matplotlib.pyplot as plt
 

@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 
 
 def draw(cost, path):
-    # The same figures give the same file.
+    # Equal figures give an equal file.
     matplotlib.rcParams["svg.hashsalt"] = "adwave"
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
     n = [line["n"] for line in cost["against_n"]]

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-FRAMES are a folder, a pattern such as 'walk/*.obj', a GLB or glTF with morph targets, or a mesh whose
-positions over time are in --positions. All frames have the same vertices and faces. Files are taken
-in the order of the numbers in their names.
+FRAMES are a folder, a pattern such as 'walk/*.obj', a GLB or glTF with morph targets, or a mesh whose positions over
+time are in --positions. All frames have the same vertices and faces. Files are taken in the order of the numbers in
+their names.
 
 What is asked for is done in this order: --still, --denoise, bands along time, bands in space.
 
