@@ -1,9 +1,12 @@
-"""As-rigid-as-possible deformation by libigl, on tests such as the four of the survey `botsch2008` and on one larger mesh.
+"""As-rigid-as-possible deformation by libigl and Open3D, on tests such as the four of the survey `botsch2008` and on one
+larger mesh.
 
 `python arap.py FOLDER OUT [ITERATIONS]` reads each NAME.off with NAME.sel and NAME.def below FOLDER and writes
-OUT/NAME-arap.off, which the example `survey` of adwave-deform measures; it prints the seconds of the processor for all
-iterations, and until the stretch of the edges (rms) is within 2 % of its last. `limbs.py` makes more tests of any shapes.
-`python arap.py --time MESH.ply` times one iteration with the ends along y as handles. Needs `pip install libigl numpy`.
+OUT/NAME-libigl.off and OUT/NAME-open3d.off, which the example `survey` of adwave-deform measures; it prints the seconds of
+the processor for all iterations, and until the stretch of the edges (rms) is within 2 % of its last. Open3D starts anew for
+each number of iterations, so that its second time is that of the first of 25, 50, 100, … that comes near enough.
+`limbs.py` makes more tests of any shapes. `python arap.py --time MESH.ply` times one iteration of libigl's with the ends
+along y as handles. Needs `pip install libigl open3d numpy`.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from pathlib import Path
 
 import igl
 import numpy as np
+import open3d
 
 ITERATIONS = 1000
 #: Iterations between two looks at the stretch.
@@ -47,13 +51,23 @@ def write_off(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
 
 def stretch(vertices: np.ndarray, faces: np.ndarray, found: np.ndarray) -> float:
     """Root of the mean square of the relative change of the edges' lengths."""
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    edges = np.unique(
+        np.sort(
+            np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]),
+            axis=1,
+        ),
+        axis=0,
+    )
     before, after = (np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1) for p in (vertices, found))
     return float(np.sqrt(np.mean((after / before - 1) ** 2)))
 
 
 def bend(
-    vertices: np.ndarray, faces: np.ndarray, handles: np.ndarray, targets: np.ndarray, iterations: int
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    handles: np.ndarray,
+    targets: np.ndarray,
+    iterations: int,
 ) -> tuple[np.ndarray, float, list[tuple[float, float]]]:
     """The deformed vertices, the seconds of the processor for preparation, and seconds and stretch as they go on."""
     data = igl.ARAPData()
@@ -70,6 +84,31 @@ def bend(
     return found, prepared, course
 
 
+def bend_by_open3d(
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    handles: np.ndarray,
+    targets: np.ndarray,
+    iterations: int,
+) -> tuple[np.ndarray, list[tuple[float, float]]]:
+    """The deformed vertices, and seconds of the processor and stretch for growing numbers of iterations."""
+    mesh = open3d.geometry.TriangleMesh(
+        open3d.utility.Vector3dVector(vertices),
+        open3d.utility.Vector3iVector(faces.astype(np.int32)),
+    )
+    held, to, course = (
+        open3d.utility.IntVector(handles),
+        open3d.utility.Vector3dVector(targets),
+        [],
+    )
+    counts = [AT_A_TIME * 2**k for k in range(20) if AT_A_TIME * 2**k < iterations]
+    for count in [*counts, iterations]:
+        start = time.process_time()
+        found = np.asarray(mesh.deform_as_rigid_as_possible(held, to, max_iter=count).vertices)
+        course.append((time.process_time() - start, stretch(vertices, faces, found)))
+    return found, course
+
+
 def survey(folder: Path, out: Path, iterations: int) -> None:
     """Bend the shapes of a folder of tests."""
     for selection in sorted(folder.glob("*.sel")):
@@ -81,11 +120,17 @@ def survey(folder: Path, out: Path, iterations: int) -> None:
         targets = vertices[handles].copy()
         moved = state[handles] == MOVED
         targets[moved] = targets[moved] @ matrix[:3, :3].T + matrix[:3, 3]
-        found, _, course = bend(vertices, faces, handles, targets, iterations)
-        seconds, last = course[-1]
-        soon = next(spent for spent, value in course if value <= FOUND * last)
-        print(f"{name}: stretch {last:.4f} after {seconds:.2f} s, within 2 % of it after {soon:.2f} s", flush=True)
-        write_off(out / f"{name}-arap.off", found, faces)
+        by_libigl, _, course = bend(vertices, faces, handles, targets, iterations)
+        by_open3d, other_course = bend_by_open3d(vertices, faces, handles, targets, iterations)
+        for program, found, spent in (
+            ("libigl", by_libigl, course),
+            ("open3d", by_open3d, other_course),
+        ):
+            seconds, last = spent[-1]
+            soon = next(so_far for so_far, value in spent if value <= FOUND * last)
+            said = f"stretch {last:.4f} after {seconds:.2f} s, within 2 % of it after {soon:.2f} s"
+            print(f"{name}, {program}: {said}", flush=True)
+            write_off(out / f"{name}-{program}.off", found, faces)
 
 
 def timing(path: Path) -> None:
@@ -104,4 +149,8 @@ if __name__ == "__main__":
     if sys.argv[1] == "--time":
         timing(Path(sys.argv[2]))
     else:
-        survey(Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) > 3 else ITERATIONS)  # noqa: PLR2004
+        survey(
+            Path(sys.argv[1]),
+            Path(sys.argv[2]),
+            int(sys.argv[3]) if len(sys.argv) > 3 else ITERATIONS,
+        )  # noqa: PLR2004

@@ -64,8 +64,8 @@ fn remember_signals() {}
 
 /// Sets the thresholds of the C library's allocator. By default it keeps freed vectors of up to 32 MiB, which most
 /// commands never ask for again: an eighth of the peak of a mesh of a million vertices. Where vectors of one size come
-/// again and again, keeping them saves the time in which the system clears their pages: a fifth of that of `denoise`,
-/// for a tenth more memory.
+/// again and again, keeping them saves the time in which the system clears their pages: a tenth of that of `denoise`,
+/// for 3 % more memory.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[allow(unsafe_code)]
 fn tune_heap(heap_use: HeapUse) {
@@ -77,6 +77,8 @@ fn tune_heap(heap_use: HeapUse) {
             (libc::M_MMAP_THRESHOLD, 1 << 30),
             (libc::M_TRIM_THRESHOLD, libc::c_int::MAX),
             (libc::M_TOP_PAD, 1 << 26),
+            // One heap for all threads, so that a vector freed by one serves another: a quarter less memory.
+            (libc::M_ARENA_MAX, 1),
         ],
         HeapUse::ReuseAll => vec![(libc::M_MMAP_MAX, 0), (libc::M_TRIM_THRESHOLD, libc::c_int::MAX)],
         HeapUse::ReuseUpTo(bytes) => {

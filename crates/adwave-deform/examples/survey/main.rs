@@ -2,8 +2,8 @@
 //! of another program if its files are there.
 //!
 //! `survey FOLDER [OUT] [LEVELS] [STIFFNESS]` reads each `NAME.off` with `NAME.sel` and `NAME.def`, writes
-//! `OUT/NAME-detail.off` and `OUT/NAME-lengths.off`, and measures `OUT/NAME-arap.off` too. LEVELS is a number for all, or
-//! a width in % of the diagonal.
+//! `OUT/NAME-detail.off` and `OUT/NAME-lengths.off`, and measures `OUT/NAME-libigl.off` and `OUT/NAME-open3d.off` too.
+//! LEVELS is a number for all, or a width in % of the diagonal.
 
 mod metrics;
 
@@ -82,9 +82,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 write_path(&file, &out.join(format!("{name}{ending}.off")), None)?;
             }
         }
-        let theirs = out.map(|out| out.join(format!("{name}-arap.off"))).filter(|path| path.exists());
-        if let Some(theirs) = theirs {
-            print("libigl", read_path(&theirs, &limits)?.points(), None);
+        for (program, ending) in [("libigl", "-libigl"), ("Open3D", "-open3d")] {
+            let theirs = out.map(|out| out.join(format!("{name}{ending}.off"))).filter(|path| path.exists());
+            if let Some(theirs) = theirs {
+                print(program, read_path(&theirs, &limits)?.points(), None);
+            }
         }
     }
     Ok(())

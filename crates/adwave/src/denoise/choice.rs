@@ -8,7 +8,7 @@ use super::mixture::PlaceMixture;
 use super::noise_kinds::{MAX_LINEAR_ROUNDS, estimate_noise, prepared_points};
 use super::shared_noise::NoiseLaw;
 use super::smoothed_normals::{
-    GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, MAX_GUIDES, Walks, fixed,
+    GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, MAX_GUIDES, fixed, mix_normals,
 };
 use super::surface::NoisySurface;
 use super::{
@@ -209,9 +209,8 @@ impl DenoiseChoice {
         let mut moved = prepared_points(surface, points, &self.info, progress)?;
         if self.info.kept < 1.0 {
             let used = used_walks(&self.mixture, self.creases, &self.info);
-            let walks = Walks::new(surface, &moved, used, Some(&self.scales), progress)?;
-            let normals = walks.mixture(surface, &moved, &self.mixture, progress)?;
-            drop(walks);
+            let known = Some(&self.scales);
+            let (normals, _) = mix_normals(surface, &moved, used, known, &self.mixture, progress)?;
             surface.move_to(&mut moved, &normals, MOVES, progress)?;
         }
         let noise = self.info.total_noise() * self.params.strength.max(1.0);

@@ -51,7 +51,7 @@ use noise_kinds::{estimate_noise, prepared_points};
 use places::PlaceKinds;
 use sample::Sample;
 use shared_noise::NoiseLaw;
-use smoothed_normals::{GuideScales, SelectedWalks, Walks};
+use smoothed_normals::{GuideScales, SelectedWalks, Walks, mix_normals};
 use surface::NoisySurface;
 
 /// Number of steps that move points to the smoothed normals.
@@ -292,7 +292,7 @@ fn prepare_parts(
 ) -> Result<PreparedParts, DenoiseError> {
     let start = prepared_points(surface, points, info, progress)?;
     let wanted = SelectedWalks::from(params.creases).with_guides(info);
-    let walks = Walks::new(surface, &start, wanted, None, progress)?;
+    let walks = Walks::new(surface, &start, wanted, progress)?;
     let normals = walks.candidates(progress)?;
     let shares = match kinds {
         Some(kinds) => kinds.shares(surface, &start, progress)?,
@@ -345,9 +345,9 @@ fn best_mixture(
     }
     drop((walks, parts, shaken));
     let start = prepared_points(surface, points, info, progress)?;
-    let walks = Walks::new(surface, &start, used_walks(&factors, params.creases, info), None, progress)?;
-    let normals = walks.mixture(surface, &start, &factors, progress)?;
-    Ok(Some(Mixture { start, normals, factors, scales: walks.scales }))
+    let used = used_walks(&factors, params.creases, info);
+    let (normals, scales) = mix_normals(surface, &start, used, None, &factors, progress)?;
+    Ok(Some(Mixture { start, normals, factors, scales }))
 }
 
 /// The walks of which a mixture has a part.

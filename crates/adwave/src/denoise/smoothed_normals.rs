@@ -5,11 +5,11 @@ use super::places::KINDS;
 use super::scaling::{scaling_functions, transform};
 use super::surface::NoisySurface;
 use super::{Creases, DenoiseError};
-use crate::Progress;
 use crate::bands::{BandsError, FixedSeries, Schedule, Transform};
-use crate::operator::{site_diffusion, typical_square};
+use crate::operator::{site_diffusion, typical_difference, typical_square};
 use crate::parallel;
 use crate::vector::unit;
+use crate::{Cancelled, Progress};
 use serde::{Deserialize, Serialize};
 
 /// Number of levels of the normals: 1, 2, 4, … 32 steps.
@@ -63,8 +63,20 @@ pub(super) struct Walks {
     smooth: Option<Transform>,
     /// Scales of the walks.
     pub(super) scales: GuideScales,
-    /// Truncation rule of their polynomials.
-    cut: PolynomialCut,
+}
+
+/// The sites of a surface with what both walks need.
+struct GuidedSites<'a> {
+    surface: &'a NoisySurface,
+    points: &'a [[f64; 3]],
+    normals: Vec<[f64; 3]>,
+    areas: Vec<f64>,
+    /// The first guide: normals of the surface after [`GUIDE_STEPS`] steps.
+    guide: Vec<[f64; 3]>,
+    /// Scales of the whole, if the surface is a part of one.
+    known: Option<&'a GuideScales>,
+    distance: f64,
+    first: f64,
 }
 
 /// Rule that decides the degree of a polynomial of a walk.
@@ -96,64 +108,103 @@ impl From<Creases> for SelectedWalks {
     }
 }
 
+impl<'a> GuidedSites<'a> {
+    fn new(
+        surface: &'a NoisySurface,
+        points: &'a [[f64; 3]],
+        known: Option<&'a GuideScales>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let normals = surface.normals(points, progress)?;
+        let areas = surface.areas(points, progress)?;
+        let distance = match known {
+            Some(scales) => scales.distance,
+            None => typical_square(surface.graph(), &surface.positions(points, progress)?),
+        };
+        let guide = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
+        let first = match known {
+            Some(scales) => scales.first,
+            None => typical_difference(surface.graph(), &guide, progress)?,
+        };
+        Ok(Self { surface, points, normals, areas, guide, known, distance, first })
+    }
+
+    fn cut(&self) -> PolynomialCut {
+        if self.known.is_some() { PolynomialCut::Fixed } else { PolynomialCut::BySignal }
+    }
+
+    /// A walk led by `guide`. The weights without a guide are computed anew for each, so that no second array of them
+    /// is held.
+    fn walk(
+        &self,
+        guide: &[[f64; 3]],
+        reach: f64,
+        typical: f64,
+        progress: Progress<'_>,
+    ) -> Result<Transform, DenoiseError> {
+        let positions = self.surface.positions(self.points, progress)?;
+        let base = site_diffusion(&self.surface.sites(&positions, &self.areas), self.distance, progress)?;
+        drop(positions);
+        // The lengths of steps are not needed.
+        let led = base.weigh_by_guide_within(guide, reach * reach * typical, |_, _| 0.0, progress)?;
+        transform(led, ACCURACY)
+    }
+
+    /// The walk that nearly ignores creases, by the first guide.
+    fn smooth(&self, reach: f64, progress: Progress<'_>) -> Result<Transform, DenoiseError> {
+        self.walk(&self.guide, reach, self.first, progress)
+    }
+
+    /// The walk that respects creases, and the medians of its later guides.
+    ///
+    /// It uses a second guide: the normals of the surface after it has been moved to the normals that 16 steps with the
+    /// first guide give. If the noise is strong, a third guide is made from the second in this way.
+    fn creases(
+        &self,
+        n_guides: usize,
+        progress: Progress<'_>,
+    ) -> Result<(Transform, [f64; MAX_GUIDES]), DenoiseError> {
+        let mut later = [0.0; MAX_GUIDES];
+        let mut weights = [0.0; GUIDE_LEVELS];
+        weights[GUIDE_LEVELS - 1] = 1.0;
+        let mut walk = self.walk(&self.guide, CREASE_REACH, self.first, progress)?;
+        for (k, scale) in later.iter_mut().enumerate().take(n_guides) {
+            let mut smoothed = vec![[0.0; 3]; self.normals.len()];
+            add_levels(&walk, self.cut(), &self.normals, &weights, &mut smoothed, progress)?;
+            drop(walk);
+            normalize(&mut smoothed);
+            let mut moved = self.points.to_vec();
+            self.surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
+            drop(smoothed);
+            let guide = self.surface.normals(&moved, progress)?;
+            drop(moved);
+            *scale = match self.known {
+                Some(scales) => scales.later[k],
+                None => typical_difference(self.surface.graph(), &guide, progress)?,
+            };
+            walk = self.walk(&guide, CREASE_REACH, *scale, progress)?;
+        }
+        Ok((walk, later))
+    }
+}
+
 impl Walks {
     /// Builds the walks of a surface with positions `points`.
-    ///
-    /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps. The walk that respects creases uses a
-    /// second guide: the normals of the surface after it has been moved to the normals that 16 steps with the first
-    /// guide give. If the noise is strong, a third guide is made from the second in this way.
-    ///
-    /// For part of a surface, `known` holds the scales of the whole.
     pub(super) fn new(
         surface: &NoisySurface,
         points: &[[f64; 3]],
         wanted: SelectedWalks,
-        known: Option<&GuideScales>,
         progress: Progress<'_>,
     ) -> Result<Self, DenoiseError> {
-        let cut = if known.is_some() { PolynomialCut::Fixed } else { PolynomialCut::BySignal };
-        let normals = surface.normals(points, progress)?;
-        let areas = surface.areas(points, progress)?;
-        let positions = surface.positions(points, progress)?;
-        let sites = surface.sites(&positions, &areas);
-        let distance = known.map_or_else(|| typical_square(surface.graph(), &positions), |s| s.distance);
-        let base = site_diffusion(&sites, distance, progress)?;
-        let typical = |guide: &[[f64; 3]], known: Option<f64>| {
-            known.map_or_else(|| base.typical_difference(guide, progress), Ok)
-        };
-        let guided = |guide: &[[f64; 3]], reach: f64, typical: f64| {
-            // The lengths of steps are not needed.
-            let led = base.weigh_by_guide_within(guide, reach * reach * typical, |_, _| 0.0, progress)?;
-            transform(led, ACCURACY)
-        };
-        let guide = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
-        let first = typical(&guide, known.map(|scales| scales.first))?;
-        let smooth = || wanted.smooth.map(|reach| guided(&guide, reach, first)).transpose();
-        let creases = || {
-            let mut later = [0.0; MAX_GUIDES];
-            if !wanted.creases {
-                return Ok::<_, DenoiseError>((None, later));
-            }
-            let mut weights = [0.0; GUIDE_LEVELS];
-            weights[GUIDE_LEVELS - 1] = 1.0;
-            let mut walk = guided(&guide, CREASE_REACH, first)?;
-            for (k, scale) in later.iter_mut().enumerate().take(wanted.n_guides) {
-                let mut smoothed = vec![[0.0; 3]; normals.len()];
-                add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
-                drop(walk);
-                normalize(&mut smoothed);
-                let mut moved = points.to_vec();
-                surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
-                let guide = surface.normals(&moved, progress)?;
-                *scale = typical(&guide, known.map(|scales| scales.later[k]))?;
-                walk = guided(&guide, CREASE_REACH, *scale)?;
-            }
-            Ok((Some(walk), later))
-        };
-        let (smooth, creases) = rayon::join(smooth, creases);
-        let (smooth, (creases, later)) = (smooth?, creases?);
-        let scales = GuideScales { distance, first, later };
-        Ok(Self { normals, areas, creases, smooth, scales, cut })
+        let sites = GuidedSites::new(surface, points, None, progress)?;
+        let (smooth, creases) = rayon::join(
+            || wanted.smooth.map(|reach| sites.smooth(reach, progress)).transpose(),
+            || wanted.creases.then(|| sites.creases(wanted.n_guides, progress)).transpose(),
+        );
+        let (smooth, (creases, later)) = (smooth?, creases?.unzip());
+        let GuidedSites { normals, areas, distance, first, .. } = sites;
+        let scales = GuideScales { distance, first, later: later.unwrap_or_default() };
+        Ok(Self { normals, areas, creases, smooth, scales })
     }
 
     /// Components of the mixture, three numbers per site each: the normals unchanged, then `S(1) … S(LEVELS)` by
@@ -166,43 +217,51 @@ impl Walks {
         }
         Ok(all)
     }
+}
 
-    /// Mixture of the [`candidates`](Self::candidates) with factors by kind of place, of unit length or zero at each
-    /// site; `points` are those of the walks.
-    pub(super) fn mixture(
-        &self,
-        surface: &NoisySurface,
-        points: &[[f64; 3]],
-        mixture: &PlaceMixture,
-        progress: Progress<'_>,
-    ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        let shares = match &mixture.kinds {
-            Some(kinds) => kinds.shares(surface, points, progress)?,
-            None => Vec::new(),
-        };
-        let mut out = self.normals.clone();
-        parallel::try_visit_rows(&mut out, 1, SITES_AT_A_TIME, progress, |first, out| {
-            for (x, n) in (first..).zip(out) {
-                let factor = match shares.get(x) {
-                    Some(shares) => mixture.factors.iter().zip(shares).map(|(f, share)| f.kept * share).sum(),
-                    None => mixture.factors[0].kept,
-                };
-                *n = n.map(|c| factor * c);
-            }
-        })?;
-        let of_creases: Vec<&[f64]> = mixture.factors.iter().map(|f| &f.creases[..]).collect();
-        let of_smooth: Vec<&[f64]> = mixture.factors.iter().map(|f| &f.smooth[..]).collect();
-        for (walk, weights) in [(&self.creases, of_creases), (&self.smooth, of_smooth)] {
-            let Some(walk) = walk else { continue };
-            if let [weights] = weights[..] {
-                add_levels(walk, self.cut, &self.normals, weights, &mut out, progress)?;
-            } else {
-                add_levels_by_place(walk, &self.normals, &weights, &shares, &mut out, progress)?;
-            }
+/// Mixture of the [`candidates`](Walks::candidates) of a surface with factors by kind of place, of unit length or zero
+/// at each site, and the scales of the walks `wanted`. Only one walk is held at a time.
+///
+/// For part of a surface, `known` holds the scales of the whole.
+pub(super) fn mix_normals(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    wanted: SelectedWalks,
+    known: Option<&GuideScales>,
+    mixture: &PlaceMixture,
+    progress: Progress<'_>,
+) -> Result<(Vec<[f64; 3]>, GuideScales), DenoiseError> {
+    let shares = match &mixture.kinds {
+        Some(kinds) => kinds.shares(surface, points, progress)?,
+        None => Vec::new(),
+    };
+    let sites = GuidedSites::new(surface, points, known, progress)?;
+    let mut out = sites.normals.clone();
+    parallel::try_visit_rows(&mut out, 1, SITES_AT_A_TIME, progress, |first, out| {
+        for (x, n) in (first..).zip(out) {
+            let factor = match shares.get(x) {
+                Some(shares) => mixture.factors.iter().zip(shares).map(|(f, share)| f.kept * share).sum(),
+                None => mixture.factors[0].kept,
+            };
+            *n = n.map(|c| factor * c);
         }
-        normalize(&mut out);
-        Ok(out)
+    })?;
+    let mut add = |walk: &Transform, weights: &[&[f64]]| match weights {
+        [weights] => add_levels(walk, sites.cut(), &sites.normals, weights, &mut out, progress),
+        _ => add_levels_by_place(walk, &sites.normals, weights, &shares, &mut out, progress),
+    };
+    let mut scales = GuideScales { distance: sites.distance, first: sites.first, ..GuideScales::default() };
+    if wanted.creases {
+        let (walk, later) = sites.creases(wanted.n_guides, progress)?;
+        scales.later = later;
+        add(&walk, &mixture.factors.iter().map(|f| &f.creases[..]).collect::<Vec<_>>())?;
     }
+    if let Some(reach) = wanted.smooth {
+        let walk = sites.smooth(reach, progress)?;
+        add(&walk, &mixture.factors.iter().map(|f| &f.smooth[..]).collect::<Vec<_>>())?;
+    }
+    normalize(&mut out);
+    Ok((out, scales))
 }
 
 /// The schedule of `n_levels` dyadic levels, a number small enough to be valid.

@@ -467,6 +467,11 @@ impl Diffusion {
         self.rows.pattern()
     }
 
+    /// The off-diagonal entries and the stationary distribution.
+    pub(super) fn into_rows_and_measure(self) -> (CompressedRows<f64>, Vec<f64>) {
+        (self.rows, self.stationary)
+    }
+
     /// Off-diagonal entries, in the order of [`neighbors`](Self::neighbors).
     pub fn weights(&self) -> &[f64] {
         self.rows.values()

@@ -35,9 +35,14 @@ pub(crate) fn site_diffusion(
     let &Sites { neighbors, positions, areas } = sites;
     let squared = |x: usize, y: usize| squared_distance(&positions[x], &positions[y]);
     let sharpness = sharpness(typical);
-    let at = |x: usize, k: usize| neighbors.row(x)[k] as usize;
-    let (rows, per_row) =
-        weighted_rows(neighbors, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
+    let fill = |x: usize, row: &mut [f64]| {
+        for (w, &y) in row.iter_mut().zip(neighbors.row(x)) {
+            *w = areas[y as usize];
+        }
+    };
+    let exponent = |x: usize, k: usize| sharpness * squared(x, neighbors.row(x)[k] as usize);
+    let mut rows = CompressedRows::new_unchecked(neighbors.clone(), crate::pages::zeros(neighbors.nnz()));
+    let per_row = weigh_rows(&mut rows, fill, exponent, progress)?;
     diffusion(rows, &per_row, areas, squared, progress)
 }
 
@@ -83,91 +88,55 @@ impl Diffusion {
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let typical = self.typical_difference(guide, progress)?;
-        self.weigh_by_guide_within(guide, reach * reach * typical, squared_length, progress)
+        let typical = typical_difference(self.neighbors(), guide, progress)?;
+        self.clone().weigh_by_guide_within(guide, reach * reach * typical, squared_length, progress)
     }
 
-    /// Median of `‖g_x − g_y‖²` over neighbors.
-    pub(crate) fn typical_difference(
-        &self,
-        guide: &[[f64; 3]],
-        progress: Progress<'_>,
-    ) -> Result<f64, Cancelled> {
-        assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
-        let squared = |x: usize, k: usize| squared_distance(&guide[x], &guide[self.column(x, k)]);
-        self.typical_square_of(squared, |x| squared_distance(&guide[x], &[0.0; 3]), progress)
-    }
-
-    /// Median of the squared differences of a guide over neighbors, `squared(x, k)` for the k-th of vertex x;
-    /// `square(x)` is the squared size of the guide.
-    pub(crate) fn typical_square_of(
-        &self,
-        squared: impl Fn(usize, usize) -> f64 + Sync + Send,
-        square: impl Fn(usize) -> f64 + Sync + Send,
-        progress: Progress<'_>,
-    ) -> Result<f64, Cancelled> {
-        let n = self.n_vertices();
-        let sum: f64 = parallel::try_sum(n, progress, square)?;
-        // If most neighbors are equal, any difference would be a jump, even one that rounding caused.
-        let least = LEAST_DIFFERENCE * sum / n.max(1) as f64;
-        Ok(median(self.neighbors(), squared).max(least))
-    }
-
-    /// The k-th neighbor of a vertex.
-    fn column(&self, x: usize, k: usize) -> usize {
-        self.neighbors().row(x)[k] as usize
-    }
-
-    /// [`weigh_by_guide`](Self::weigh_by_guide) with `scale`, the s² of its formula.
+    /// [`weigh_by_guide`](Self::weigh_by_guide) with `scale`, the s² of its formula, in the memory of this operator.
     pub(crate) fn weigh_by_guide_within(
-        &self,
+        self,
         guide: &[[f64; 3]],
         scale: f64,
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
-        let squared = |x: usize, k: usize| squared_distance(&guide[x], &guide[self.column(x, k)]);
-        self.weigh_by_squares(squared, scale, squared_length, progress)
+        let neighbors = self.neighbors().clone();
+        self.weigh_by_squares(squared_differences(&neighbors, guide), scale, squared_length, progress)
     }
 
     /// [`weigh_by_guide`](Self::weigh_by_guide) with the squared differences of the guide, `squared(x, k)` for the k-th
-    /// neighbor of x, and with `scale`, the s² of its formula. The entries stay in their places.
+    /// neighbor of x, and with `scale`, the s² of its formula. The entries stay in their places and in their memory.
     pub(crate) fn weigh_by_squares(
-        &self,
+        self,
         squared: impl Fn(usize, usize) -> f64 + Sync + Send,
         scale: f64,
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let neighbors = self.neighbors();
         let sharpness = if scale.is_finite() { sharpness(scale) } else { 0.0 };
-        let values = self.weights();
         if let Semigroup::Heat { .. } = self.semigroup() {
             let factor = |x: usize, k: usize| (-sharpness * squared(x, k)).exp();
             return self.damp_rows(factor, squared_length, progress);
         }
-        let (rows, per_row) = weighted_rows(
-            neighbors,
-            |x, k| values[neighbors.range(x).start + k],
-            |x, k| sharpness * squared(x, k),
-            progress,
-        )?;
-        diffusion(rows, &per_row, self.stationary(), squared_length, progress)
+        let (mut rows, measure) = self.into_rows_and_measure();
+        let per_row = weigh_rows(&mut rows, |_, _| (), |x, k| sharpness * squared(x, k), progress)?;
+        diffusion(rows, &per_row, &measure, squared_length, progress)
     }
 
     /// Heat with the off-diagonal entries multiplied by `factor(x, k)`, which is symmetric and in [0, 1].
     fn damp_rows(
-        &self,
+        self,
         factor: impl Fn(usize, usize) -> f64 + Sync + Send,
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let (neighbors, pi) = (self.neighbors(), self.stationary());
-        let mut values = self.weights().to_vec();
+        let (step_length, semigroup) = (self.step_length(), self.semigroup());
+        let (rows, pi) = self.into_rows_and_measure();
+        let (neighbors, mut values) = rows.into_parts();
         // Mean square length of a step, before and after.
-        let mut per_row = vec![[0.0; 2]; self.n_vertices()];
-        try_visit_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        let mut per_row = vec![[0.0; 2]; pi.len()];
+        try_visit_entries(&neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, squares) in range.zip(per_row) {
                 let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
                 values = after;
@@ -181,39 +150,73 @@ impl Diffusion {
         })?;
         let [before, after] = [0, 1].map(|k| parallel::try_sum(per_row.len(), progress, |x| per_row[x][k]));
         let (before, after) = (before?, after?);
-        let step_length = if before > 0.0 { self.step_length() * (after / before).sqrt() } else { 0.0 };
-        Self::from_heat_weights(
-            neighbors.clone(),
-            values,
-            pi.to_vec(),
-            step_length,
-            self.semigroup(),
-            progress,
-        )
+        let step_length = if before > 0.0 { step_length * (after / before).sqrt() } else { 0.0 };
+        Self::from_heat_weights(neighbors, values, pi, step_length, semigroup, progress)
     }
 }
 
-/// Rows, and for each row the logarithm of its divisor and its sum.
-type WeightedRows = (CompressedRows<f64>, Vec<(f64, f64)>);
-
-/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbor of x, and for each row the logarithm of its
-/// divisor and its sum.
-fn weighted_rows(
+/// Median of `‖g_x − g_y‖²` over neighbors.
+pub(crate) fn typical_difference(
     neighbors: &Adjacency,
-    base: impl Fn(usize, usize) -> f64 + Sync + Send,
+    guide: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    assert_eq!(guide.len(), neighbors.n_rows(), "a vector for each vertex");
+    let square = |x: usize| squared_distance(&guide[x], &[0.0; 3]);
+    typical_difference_of(neighbors, squared_differences(neighbors, guide), square, progress)
+}
+
+/// Median of the squared differences of a guide over neighbors, `squared(x, k)` for the k-th of vertex x; `square(x)`
+/// is the squared size of the guide.
+pub(crate) fn typical_difference_of(
+    neighbors: &Adjacency,
+    squared: impl Fn(usize, usize) -> f64 + Sync + Send,
+    square: impl Fn(usize) -> f64 + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    let n = neighbors.n_rows();
+    let sum: f64 = parallel::try_sum(n, progress, square)?;
+    // If most neighbors are equal, any difference would be a jump, even one that rounding caused.
+    let least = LEAST_DIFFERENCE * sum / n.max(1) as f64;
+    Ok(median(neighbors, squared).max(least))
+}
+
+/// The squared difference of a guide from vertex x to its k-th neighbor.
+fn squared_differences(
+    neighbors: &Adjacency,
+    guide: &[[f64; 3]],
+) -> impl Fn(usize, usize) -> f64 + Sync + Send {
+    |x, k| squared_distance(&guide[x], &guide[neighbors.row(x)[k] as usize])
+}
+
+/// Multiplies the entries of the k-th neighbor of x by `exp(−exponent(x, k))`; `fill(x, row)` may write them before.
+/// Returns for each row the logarithm of its divisor and its sum.
+fn weigh_rows(
+    rows: &mut CompressedRows<f64>,
+    fill: impl Fn(usize, &mut [f64]) + Sync + Send,
     exponent: impl Fn(usize, usize) -> f64 + Sync + Send,
     progress: Progress<'_>,
-) -> Result<WeightedRows, Cancelled> {
-    let mut values = crate::pages::zeros(neighbors.nnz());
+) -> Result<Vec<(f64, f64)>, Cancelled> {
+    let neighbors = rows.pattern().clone();
     let mut per_row = vec![(0.0, 0.0); neighbors.n_rows()];
-    try_visit_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
-        for (x, kept) in range.zip(per_row) {
-            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
-            values = after;
-            *kept = fill_row(row, |k| base(x, k), |k| exponent(x, k));
-        }
-    })?;
-    Ok((CompressedRows::new_unchecked(neighbors.clone(), values), per_row))
+    try_visit_entries(
+        &neighbors,
+        rows.values_mut(),
+        &mut per_row,
+        progress,
+        |range, mut values, per_row| {
+            let mut exponents = Vec::new();
+            for (x, kept) in range.zip(per_row) {
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
+                values = after;
+                fill(x, row);
+                exponents.clear();
+                exponents.extend((0..row.len()).map(|k| exponent(x, k)));
+                *kept = weigh_row(row, &exponents);
+            }
+        },
+    )?;
+    Ok(per_row)
 }
 
 /// The lazy walk of rows whose weights times `measure` are symmetric.
@@ -248,24 +251,19 @@ pub(super) fn sharpness(median: f64) -> f64 {
     if median > 0.0 { 0.5 / median } else { 0.0 }
 }
 
-/// Fills a row with `base(k)·exp(−exponent(k))`, divided by its largest exponential so that it cannot underflow;
+/// Multiplies a row by `exp(−exponents[k])`, divided by the largest of these factors so that it cannot underflow;
 /// returns the logarithm of that divisor and the row's sum.
-fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usize) -> f64) -> (f64, f64) {
-    let mut least = f64::INFINITY;
-    for (k, value) in row.iter_mut().enumerate() {
-        *value = exponent(k);
-        if base(k) > 0.0 {
-            least = least.min(*value);
-        }
-    }
+fn weigh_row(row: &mut [f64], exponents: &[f64]) -> (f64, f64) {
+    let used = row.iter().zip(exponents).filter(|(w, _)| **w > 0.0);
+    let least = used.fold(f64::INFINITY, |least, (_, e)| least.min(*e));
     if least.is_infinite() {
         row.fill(0.0);
         return (0.0, 0.0);
     }
     let mut sum = 0.0;
-    for (k, value) in row.iter_mut().enumerate() {
-        *value = base(k) * (least - *value).min(0.0).exp();
-        sum += *value;
+    for (w, e) in row.iter_mut().zip(exponents) {
+        *w *= (least - e).min(0.0).exp();
+        sum += *w;
     }
     (-least, sum)
 }

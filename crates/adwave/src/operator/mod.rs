@@ -15,7 +15,7 @@ mod surface;
 
 pub(crate) use difference_steps::DifferenceSteps;
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
-pub(crate) use guided::{Sites, site_diffusion, typical_square};
+pub(crate) use guided::{Sites, site_diffusion, typical_difference, typical_difference_of, typical_square};
 pub use interface::{
     BlockPrecision, Continuation, Invariant, KeptMeasure, Leap, NoRows, Operator, RowOutput, RowWeights,
     SignalBlock, Steps, Sum, Weighing,

@@ -3,10 +3,11 @@
 use super::{CompressedRows, RowsError, incidence, rows_at_a_time};
 use crate::{Cancelled, Progress};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Positions of the entries of a sparse matrix: row `x` has the columns `columns[offsets[x]..offsets[x + 1]]`.
 ///
-/// As a graph, the columns of row `x` are the neighbors of `x`.
+/// As a graph, the columns of row `x` are the neighbors of `x`. Copies share the two arrays.
 ///
 /// ```
 /// use adwave::rows::{Pattern, RowsError};
@@ -18,13 +19,13 @@ use std::ops::Range;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern {
-    offsets: Vec<usize>,
-    columns: Vec<u32>,
+    offsets: Arc<Vec<usize>>,
+    columns: Arc<Vec<u32>>,
 }
 
 impl Default for Pattern {
     fn default() -> Self {
-        Self { offsets: vec![0], columns: Vec::new() }
+        Self::empty(0)
     }
 }
 
@@ -59,18 +60,18 @@ impl Pattern {
             let row = offsets.partition_point(|&start| start <= at) - 1;
             return Err(RowsError::NoColumn { row, column: columns[at] as usize, n_columns });
         }
-        Ok(Self { offsets, columns })
+        Ok(Self::new_unchecked(offsets, columns))
     }
 
     /// Wraps rows that are known to be consistent.
     pub(crate) fn new_unchecked(offsets: Vec<usize>, columns: Vec<u32>) -> Self {
         debug_assert!(offsets[0] == 0 && offsets[offsets.len() - 1] == columns.len());
-        Self { offsets, columns }
+        Self { offsets: Arc::new(offsets), columns: Arc::new(columns) }
     }
 
     /// A pattern of `n_rows` empty rows.
     pub fn empty(n_rows: usize) -> Self {
-        Self { offsets: vec![0; n_rows + 1], columns: Vec::new() }
+        Self::new_unchecked(vec![0; n_rows + 1], Vec::new())
     }
 
     /// Builds the rows `0..n_rows`; `row(scratch, x, columns)` appends the columns of row `x`.
@@ -140,9 +141,9 @@ impl Pattern {
         &self.columns
     }
 
-    /// Offsets and columns.
+    /// Offsets and columns; copied if another pattern shares them.
     pub fn into_parts(self) -> (Vec<usize>, Vec<u32>) {
-        (self.offsets, self.columns)
+        (Arc::unwrap_or_clone(self.offsets), Arc::unwrap_or_clone(self.columns))
     }
 
     /// The lists without masked vertices, whose lists become empty and which no other list contains. Vertices

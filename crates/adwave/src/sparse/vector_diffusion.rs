@@ -4,7 +4,7 @@ use super::vector_recurrence::{VectorRecurrence, VectorTiles};
 use crate::laplacian::TangentTurn;
 use crate::operator::{
     BlockPrecision, DifferenceSteps, Diffusion, DiffusionError, Invariant, Operator, RowOutput, RowWeights,
-    Semigroup, SignalBlock, Steps,
+    Semigroup, SignalBlock, Steps, typical_difference_of,
 };
 use crate::parallel;
 use crate::{Cancelled, Progress};
@@ -202,10 +202,10 @@ impl Operator for VectorDiffusion {
         let vectors: &[[f64; 2]] = guide.as_chunks().0;
         let squared = |x: usize, k: usize| self.squared_difference(vectors, x, k);
         let square = |x: usize| vectors[x][0] * vectors[x][0] + vectors[x][1] * vectors[x][1];
-        let typical = self.scalars.typical_square_of(squared, square, progress)?;
+        let typical = typical_difference_of(self.scalars.neighbors(), squared, square, progress)?;
         // The lengths of steps are not needed.
-        let scalars =
-            self.scalars.weigh_by_squares(squared, reach * reach * typical, |_, _| 0.0, progress)?;
+        let scalars = Diffusion::clone(&self.scalars);
+        let scalars = scalars.weigh_by_squares(squared, reach * reach * typical, |_, _| 0.0, progress)?;
         // The entries stay in their places, and with them the turns and the tiles' neighbors, but not their weights.
         let (turns, mirrors) = (Arc::clone(&self.turns), Arc::clone(&self.mirrors));
         Ok(Some(Arc::new(Self { scalars: Arc::new(scalars), turns, mirrors, tiled: OnceLock::new() })))
