@@ -2,7 +2,7 @@
 writes the section and the picture of docs/PERFORMANCE.md.
 
 `cargo xtask bench-commands` runs it in an environment of its own. `--only COMMAND` prints the table of one command and
-writes no document. Peers run in processes of their own, which print the seconds of reading, working and writing; ours
+writes no document; `--only match` is that of pairs of scans. Peers run in processes of their own, which print the seconds of reading, working and writing; ours
 are those of the whole process.
 """
 
@@ -17,6 +17,8 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parent.parent))  # modules shared by all comparisons
 
 import page  # noqa: E402
+
+import scans  # noqa: E402
 
 VERTICES = (10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
 # Runs of each command, if the first takes no more than so many seconds.
@@ -164,6 +166,10 @@ def table(found):
     return page.table(head, list(zip(*columns)), numbers=True)
 
 
+def table_of_scans(bench):
+    return page.table(scans.HEAD, scans.measure(bench.run, bench.adwave, bench.work), numbers=True)
+
+
 def draw(found, path):
     import matplotlib
 
@@ -195,19 +201,24 @@ def main():
     parser.add_argument("--adwave", type=Path, required=True, help="the command")
     parser.add_argument("--work", type=Path, required=True, help="folder for intermediate files")
     parser.add_argument("--docs", type=Path, required=True, help="folder with PERFORMANCE.md")
-    parser.add_argument("--only", choices=COMMANDS, help="one command, whose table is printed")
+    parser.add_argument("--only", choices=[*COMMANDS, "match"], help="one command, whose table is printed")
     args = parser.parse_args()
-    found = Bench(args.adwave, args.work).measure([args.only] if args.only else list(COMMANDS))
+    bench = Bench(args.adwave, args.work)
+    if args.only == "match":
+        print(table_of_scans(bench))
+        return
+    found = bench.measure([args.only] if args.only else list(COMMANDS))
     if args.only:
         print(table(found))
         return
     draw(found, args.docs / "performance-commands.svg")
-    machine = page.paragraph(page.machine("vtk", "meshlib", "fast-simplification"))
+    machine = page.paragraph(page.machine("vtk", "meshlib", "fast-simplification", "open3d"))
     picture = "![Seconds of five commands and of three libraries against the number of vertices](performance-commands.svg)"
     text = page.paragraph(
         f"Seconds; medians of {ROUNDS} runs, or one run of more than {REPEATED_SECONDS} s. A library that took more than "
         f"{MOST_SECONDS} s is not given a larger shape.")
-    page.write(args.docs / "PERFORMANCE.md", "\n\n".join([machine, picture, text, table(found)]), "measured commands")
+    parts = [machine, picture, text, table(found), page.paragraph(scans.TEXT), table_of_scans(bench)]
+    page.write(args.docs / "PERFORMANCE.md", "\n\n".join(parts), "measured commands")
 
 
 if __name__ == "__main__":

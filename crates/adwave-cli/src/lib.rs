@@ -160,7 +160,12 @@ fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>)
 
 /// The use that a command makes of the heap; some commands refine it when they know their input.
 fn heap_use(command: &Command) -> HeapUse {
-    if matches!(command, Command::Denoise(_)) { HeapUse::ReuseVectors } else { HeapUse::ReturnVectors }
+    match command {
+        Command::Denoise(_) | Command::Features(_) | Command::Filter(_) | Command::Saliency(_) => {
+            HeapUse::ReuseVectors
+        }
+        _ => HeapUse::ReturnVectors,
+    }
 }
 
 fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {

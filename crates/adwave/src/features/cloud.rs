@@ -16,7 +16,6 @@ use crate::population::Population;
 use crate::shape::{distance, squared_distance};
 use crate::vector::{dot, subtract};
 use crate::{Decomposer, Progress, parallel};
-use std::collections::HashSet;
 
 /// Smallest height of a feature over its surroundings, in standard deviations due to the drawing of the points and
 /// noise. The deviations are estimated from few places on coarse levels: the largest height on 88 flat, round and
@@ -31,6 +30,9 @@ const SURROUNDINGS: f64 = 2.0;
 
 /// Radius within which drawing and noise are measured, in σ.
 const MEASURED: f64 = 3.0;
+
+/// Number of features that a thread tests at a time.
+const TESTS_AT_A_TIME: usize = 16;
 
 /// Factor of the responses beyond the last level.
 const SMALLER: f64 = 0.999;
@@ -53,9 +55,15 @@ pub(super) fn cloud_features(
     let every = FeatureParams { best: None, response, ..*params };
     let candidates = features(decomposer, &with_level_beyond(&wavelets, response), &every, progress.quiet())?;
     let test = SignificanceTest { decomposer, wavelets: &wavelets, sample };
-    let is_significant: Vec<bool> = parallel::map_items(decomposer.n_vertices(), candidates.len(), |k| {
-        test.is_significant(&candidates[k])
-    });
+    let marks = || Marks::new(coordinates.points.len());
+    let is_significant = parallel::try_map_chunks(
+        candidates.len(),
+        TESTS_AT_A_TIME,
+        progress.quiet(),
+        marks,
+        |marks, range| range.map(|k| test.is_significant(&candidates[k], marks)).collect::<Vec<_>>(),
+    )?
+    .concat();
     let significant = candidates.into_iter().zip(is_significant).filter(|(_, is)| *is).map(|(f, _)| f);
     let found = strongest_nearby(significant.collect());
     let found = match params.best {
@@ -153,14 +161,14 @@ struct SignificanceTest<'a> {
 
 impl SignificanceTest<'_> {
     /// True if the response at a feature differs from its surroundings by more than drawing and noise explain.
-    fn is_significant(&self, feature: &Feature) -> bool {
+    fn is_significant(&self, feature: &Feature, marks: &mut Marks) -> bool {
         let x = self.decomposer.vertex_map().welded(feature.vertex);
         let level = &self.wavelets.levels[feature.level - 1];
         let Some(differences) = self.sample.differences(feature.level) else { return false };
         let sigma = self.wavelets.sigma[feature.level];
         let (mut sum, mut n) = (0.0, 0_usize);
         let (mut squares, mut n_squares) = (0.0, 0_usize);
-        for (y, away) in self.points_within(x, MEASURED.max(SURROUNDINGS) * sigma) {
+        for (y, away) in self.points_within(x, MEASURED.max(SURROUNDINGS) * sigma, marks) {
             if away >= 0.5 * SURROUNDINGS * sigma && away < SURROUNDINGS * sigma {
                 sum += level[y];
                 n += 1;
@@ -181,21 +189,50 @@ impl SignificanceTest<'_> {
     }
 
     /// Welded points within a distance of `x` that neighbors connect, with their distances.
-    fn points_within(&self, x: usize, reach: f64) -> Vec<(usize, f64)> {
+    fn points_within(&self, x: usize, reach: f64, marks: &mut Marks) -> Vec<(usize, f64)> {
         let (points, neighbors) = (self.decomposer.positions(), self.decomposer.neighbors());
-        let mut seen = HashSet::from([x as u32]);
+        marks.forget();
+        marks.mark(x as u32);
         let mut found = vec![(x, 0.0)];
         let mut at = 0;
         while at < found.len() {
             for &y in neighbors.row(found[at].0) {
-                let away = distance(&points[x], &points[y as usize]);
-                if away < reach && seen.insert(y) {
-                    found.push((y as usize, away));
+                if marks.mark(y) {
+                    let away = distance(&points[x], &points[y as usize]);
+                    if away < reach {
+                        found.push((y as usize, away));
+                    }
                 }
             }
             at += 1;
         }
         found
+    }
+}
+
+/// Marks of the points that a search has reached. Forgetting all takes O(1).
+struct Marks {
+    /// Number of the last search that reached each point.
+    search_of: Vec<u32>,
+    search: u32,
+}
+
+impl Marks {
+    fn new(n_points: usize) -> Self {
+        Self { search_of: vec![0; n_points], search: 0 }
+    }
+
+    fn forget(&mut self) {
+        if self.search == u32::MAX {
+            self.search_of.fill(0);
+            self.search = 0;
+        }
+        self.search += 1;
+    }
+
+    /// Marks a point. Returns whether it had no mark.
+    fn mark(&mut self, x: u32) -> bool {
+        std::mem::replace(&mut self.search_of[x as usize], self.search) != self.search
     }
 }
 
