@@ -16,7 +16,7 @@ import numpy as np
 
 POINTS = 500_000
 # Samples, and pairs of each.
-SAMPLES = {"creature": 3, "bracket": 1}
+SAMPLES = {"creature": 2}
 # Share of an object that each scan has.
 SEEN = 0.7
 # Noise of the points in mean edge lengths.

@@ -97,7 +97,7 @@ def bend_by_open3d(
         open3d.utility.Vector3iVector(faces.astype(np.int32)),
     )
     held, to, course = (
-        open3d.utility.IntVector(handles),
+        open3d.utility.IntVector(handles.astype(np.int32)),
         open3d.utility.Vector3dVector(targets),
         [],
     )
