@@ -1,9 +1,9 @@
 """Times five commands from file to file against the number of vertices, beside libraries that do the same work, and
 writes the section and the picture of docs/PERFORMANCE.md.
 
-`cargo xtask bench-commands` runs it in an environment of its own. `--only COMMAND` prints the table of one command and
-writes no document; `--only match` is that of pairs of scans. Peers run in processes of their own, which print the seconds of reading, working and writing; ours
-are those of the whole process.
+`cargo xtask bench-commands` runs it in an environment of its own; Open3D needs libusb 1.0 of the system. `--only COMMAND`
+prints the table of one command and writes no document; `--only match` is that of pairs of scans. Peers run in processes of
+their own, which print the seconds of reading, working and writing; ours are those of the whole process.
 """
 
 import argparse

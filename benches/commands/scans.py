@@ -22,7 +22,7 @@ SEEN = 0.7
 # Noise of the points in mean edge lengths.
 NOISE = 0.2
 MOST_DEGREES, MOST_SHIFT = 1.0, 0.01
-# Edge of the voxels that Open3D thins by, in diagonals; the better one counts.
+# Edges of the voxels that Open3D thins by, in diagonals; each is a row of the table.
 VOXELS = (0.01, 0.02)
 
 HEAD = ["two scans of a", "program", "seconds", "aligned"]

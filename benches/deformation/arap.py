@@ -6,7 +6,8 @@ OUT/NAME-libigl.off and OUT/NAME-open3d.off, which the example `survey` of adwav
 the processor for all iterations, and until the stretch of the edges (rms) is within 2 % of its last. Open3D starts anew for
 each number of iterations, so that its second time is that of the first of 25, 50, 100, … that comes near enough.
 `limbs.py` makes more tests of any shapes. `python arap.py --time MESH.ply` times one iteration of libigl's with the ends
-along y as handles. Needs `pip install libigl open3d numpy`.
+along y as handles. Needs `pip install libigl open3d numpy`, and libusb 1.0 of the
+system for Open3D.
 """
 
 from __future__ import annotations
@@ -51,23 +52,13 @@ def write_off(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
 
 def stretch(vertices: np.ndarray, faces: np.ndarray, found: np.ndarray) -> float:
     """Root of the mean square of the relative change of the edges' lengths."""
-    edges = np.unique(
-        np.sort(
-            np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]),
-            axis=1,
-        ),
-        axis=0,
-    )
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
     before, after = (np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1) for p in (vertices, found))
     return float(np.sqrt(np.mean((after / before - 1) ** 2)))
 
 
 def bend(
-    vertices: np.ndarray,
-    faces: np.ndarray,
-    handles: np.ndarray,
-    targets: np.ndarray,
-    iterations: int,
+    vertices: np.ndarray, faces: np.ndarray, handles: np.ndarray, targets: np.ndarray, iterations: int
 ) -> tuple[np.ndarray, float, list[tuple[float, float]]]:
     """The deformed vertices, the seconds of the processor for preparation, and seconds and stretch as they go on."""
     data = igl.ARAPData()
@@ -85,22 +76,14 @@ def bend(
 
 
 def bend_by_open3d(
-    vertices: np.ndarray,
-    faces: np.ndarray,
-    handles: np.ndarray,
-    targets: np.ndarray,
-    iterations: int,
+    vertices: np.ndarray, faces: np.ndarray, handles: np.ndarray, targets: np.ndarray, iterations: int
 ) -> tuple[np.ndarray, list[tuple[float, float]]]:
     """The deformed vertices, and seconds of the processor and stretch for growing numbers of iterations."""
     mesh = open3d.geometry.TriangleMesh(
-        open3d.utility.Vector3dVector(vertices),
-        open3d.utility.Vector3iVector(faces.astype(np.int32)),
+        open3d.utility.Vector3dVector(vertices), open3d.utility.Vector3iVector(faces.astype(np.int32))
     )
-    held, to, course = (
-        open3d.utility.IntVector(handles.astype(np.int32)),
-        open3d.utility.Vector3dVector(targets),
-        [],
-    )
+    held = open3d.utility.IntVector(handles.astype(np.int32))
+    to, course = open3d.utility.Vector3dVector(targets), []
     counts = [AT_A_TIME * 2**k for k in range(20) if AT_A_TIME * 2**k < iterations]
     for count in [*counts, iterations]:
         start = time.process_time()
@@ -122,10 +105,7 @@ def survey(folder: Path, out: Path, iterations: int) -> None:
         targets[moved] = targets[moved] @ matrix[:3, :3].T + matrix[:3, 3]
         by_libigl, _, course = bend(vertices, faces, handles, targets, iterations)
         by_open3d, other_course = bend_by_open3d(vertices, faces, handles, targets, iterations)
-        for program, found, spent in (
-            ("libigl", by_libigl, course),
-            ("open3d", by_open3d, other_course),
-        ):
+        for program, found, spent in (("libigl", by_libigl, course), ("open3d", by_open3d, other_course)):
             seconds, last = spent[-1]
             soon = next(so_far for so_far, value in spent if value <= FOUND * last)
             said = f"stretch {last:.4f} after {seconds:.2f} s, within 2 % of it after {soon:.2f} s"
@@ -149,8 +129,4 @@ if __name__ == "__main__":
     if sys.argv[1] == "--time":
         timing(Path(sys.argv[2]))
     else:
-        survey(
-            Path(sys.argv[1]),
-            Path(sys.argv[2]),
-            int(sys.argv[3]) if len(sys.argv) > 3 else ITERATIONS,
-        )  # noqa: PLR2004
+        survey(Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) > 3 else ITERATIONS)  # noqa: PLR2004
