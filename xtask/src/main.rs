@@ -226,15 +226,12 @@ fn test() -> StepResult {
     });
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
-    cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[])?;
+    cargo(&["test", "--workspace", "--locked", "--quiet", "--no-run"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
-    // The tests of the package, most of which are serial, beside those of the page, which wait for the browser; then broken
-    // input and the documentation beside the rest.
-    let package = std::thread::spawn(|| -> StepResult {
-        package::test_package(&[])?;
-        let adwave = target().join("debug/adwave");
-        compare_with_scipy(&adwave, "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
+    // The last tests of each crate run alone, so that a quarter of the processors is idle during those of Rust: broken input
+    // and the documentation have it.
+    let documents = std::thread::spawn(|| -> StepResult {
         println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
         let fuzzer = target().join("debug/adwave-fuzz");
         run(Command::new(fuzzer).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;
@@ -242,6 +239,15 @@ fn test() -> StepResult {
         // Only those crates that are not published are left.
         let words = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
         cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])
+    });
+    let tests = cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[]);
+    let documents = documents.join().map_err(|_| "the thread of the documentation panicked")?;
+    tests.and(documents)?;
+    // The tests of the package, most of which are serial, beside those of the page, which wait for the browser.
+    let package = std::thread::spawn(|| -> StepResult {
+        package::test_package(&[])?;
+        let adwave = target().join("debug/adwave");
+        compare_with_scipy(&adwave, "oracle-small", [1000, 1000, 1000, 1000, 3000], None)
     });
     let page = studio::test();
     package.join().map_err(|_| "the thread of the package panicked")??;
