@@ -15,7 +15,7 @@ use crate::bands::{BandsError, Wavelets};
 use crate::population::Population;
 use crate::shape::{distance, squared_distance};
 use crate::vector::{dot, subtract};
-use crate::{Decomposer, Progress, parallel};
+use crate::{Cancelled, Decomposer, Progress, parallel};
 
 /// Smallest height of a feature over its surroundings, in standard deviations due to the drawing of the points and
 /// noise. The deviations are estimated from few places on coarse levels: the largest height on 88 flat, round and
@@ -32,7 +32,10 @@ const SURROUNDINGS: f64 = 2.0;
 const MEASURED: f64 = 3.0;
 
 /// Number of features that a thread tests at a time.
-const TESTS_AT_A_TIME: usize = 16;
+const TESTS_AT_A_TIME: usize = 8;
+
+/// Number of features that are tested before the candidates near those kept are left out.
+const TESTS_IN_A_BATCH: usize = 256;
 
 /// Factor of the responses beyond the last level.
 const SMALLER: f64 = 0.999;
@@ -55,17 +58,7 @@ pub(super) fn cloud_features(
     let every = FeatureParams { best: None, response, ..*params };
     let candidates = features(decomposer, &with_level_beyond(&wavelets, response), &every, progress.quiet())?;
     let test = SignificanceTest { decomposer, wavelets: &wavelets, sample };
-    let marks = || Marks::new(coordinates.points.len());
-    let is_significant = parallel::try_map_chunks(
-        candidates.len(),
-        TESTS_AT_A_TIME,
-        progress.quiet(),
-        marks,
-        |marks, range| range.map(|k| test.is_significant(&candidates[k], marks)).collect::<Vec<_>>(),
-    )?
-    .concat();
-    let significant = candidates.into_iter().zip(is_significant).filter(|(_, is)| *is).map(|(f, _)| f);
-    let found = strongest_nearby(significant.collect());
+    let found = strongest_nearby(&candidates, &test, progress.quiet())?;
     let found = match params.best {
         Some(best) => select_spread(&found, best),
         None => found,
@@ -236,22 +229,46 @@ impl Marks {
     }
 }
 
-/// Features that have no stronger one within their radius or its own, in the given order.
-fn strongest_nearby(found: Vec<Feature>) -> Vec<Feature> {
-    let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by(|&a, &b| found[b].strength.total_cmp(&found[a].strength).then(a.cmp(&b)));
-    let mut is_kept = vec![false; found.len()];
+/// Significant features that have no stronger one within their radius or its own, in the given order.
+///
+/// The strongest are tested first, some at a time, so that a candidate near one that is kept needs no test. How many are
+/// tested at a time does not change the result.
+fn strongest_nearby(
+    candidates: &[Feature],
+    test: &SignificanceTest<'_>,
+    progress: Progress<'_>,
+) -> Result<Vec<Feature>, Cancelled> {
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by(|&a, &b| candidates[b].strength.total_cmp(&candidates[a].strength).then(a.cmp(&b)));
     let mut kept: Vec<usize> = Vec::new();
-    for k in order {
-        let is_near = |other: &&usize| {
-            let (a, b) = (&found[k], &found[**other]);
+    let is_near_kept = |k: usize, kept: &[usize]| {
+        kept.iter().any(|&other| {
+            let (a, b) = (&candidates[k], &candidates[other]);
             let reach = a.sigma.max(b.sigma);
             a.position.zip(b.position).is_some_and(|(p, q)| squared_distance(&p, &q) < reach * reach)
-        };
-        if !kept.iter().any(|other| is_near(&other)) {
-            kept.push(k);
-            is_kept[k] = true;
+        })
+    };
+    let n_places = test.decomposer.n_places();
+    let mut rest = order.into_iter().peekable();
+    while rest.peek().is_some() {
+        let far = rest.by_ref().filter(|&k| !is_near_kept(k, &kept));
+        let batch: Vec<usize> = far.take(TESTS_IN_A_BATCH).collect();
+        let is_significant = parallel::try_map_chunks(
+            batch.len(),
+            TESTS_AT_A_TIME,
+            progress,
+            || Marks::new(n_places),
+            |marks, range| {
+                range.map(|k| test.is_significant(&candidates[batch[k]], marks)).collect::<Vec<_>>()
+            },
+        )?
+        .concat();
+        for (k, is_significant) in batch.into_iter().zip(is_significant) {
+            if is_significant && !is_near_kept(k, &kept) {
+                kept.push(k);
+            }
         }
     }
-    found.into_iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(f, _)| f).collect()
+    kept.sort_unstable();
+    Ok(kept.into_iter().map(|k| candidates[k].clone()).collect())
 }
