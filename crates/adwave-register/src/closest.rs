@@ -1,7 +1,7 @@
 //! Closest points of a surface.
 
 use adwave::shape::{PreparedGeometry, try_nearest_neighbors};
-use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
+use adwave::signal::{FIT_NEIGHBORS, plane_normals};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use adwave::{BackgroundWork, Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -79,7 +79,7 @@ impl ClosestPointSearch {
             let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();
             SurfaceIndex::Cloud {
                 tree: Box::new(tree),
-                normals: cloud_normals(&points, &near),
+                normals: plane_normals(&points, &near.adjacency, progress)?,
                 spacing: near.radius.iter().map(|r| r * share).collect(),
                 points,
             }
