@@ -15,6 +15,8 @@ pub enum CloudTarget {
     Spacing(f64),
     /// Number of points, reached by a search for the spacing.
     Points(usize),
+    /// Number of points to a fifth, reached by fewer tries.
+    About(usize),
     /// Share of the points, in (0, 1].
     Ratio(f64),
 }
@@ -39,8 +41,8 @@ pub struct ThinnedCloud {
 /// does not matter.
 ///
 /// Costs O(n log n) for each spacing that is tried: one for [`CloudTarget::Spacing`], at most 12 for a number of
-/// points. The number of kept points is then within 1 % of the target, unless the points are on a grid. The result does
-/// not depend on the number of threads.
+/// points. The number of kept points is then within 1 % of the target ([`CloudTarget::About`]: within 20 %), unless the
+/// points are on a grid. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] for an invalid target and on cancellation.
@@ -64,12 +66,13 @@ pub fn simplify_cloud(
     let order = hash_order(cloud.points(), progress)?;
     let (points, unit) = scale_to_unit_box(cloud.points());
     let thin = |spacing: f64| Thinning::new(&points, spacing, &order, progress.quiet());
+    let tolerance = if matches!(target, CloudTarget::About(_)) { ABOUT } else { COUNT_TOLERANCE };
     let target_count = match target {
         CloudTarget::Spacing(r) if !(r.is_finite() && r >= 0.0) => return Err(SimplifyError::Length(r)),
         CloudTarget::Spacing(0.0) => return Ok(keep_all(n)),
         CloudTarget::Spacing(r) => return finish(&thin((r / unit).max(MIN_SPACING))?, r, unit, progress),
-        CloudTarget::Points(0) => return Err(SimplifyError::NoVertices),
-        CloudTarget::Points(n_points) => n_points,
+        CloudTarget::Points(0) | CloudTarget::About(0) => return Err(SimplifyError::NoVertices),
+        CloudTarget::Points(n_points) | CloudTarget::About(n_points) => n_points,
         CloudTarget::Ratio(ratio) if !(ratio > 0.0 && ratio <= 1.0) => {
             return Err(SimplifyError::Ratio(ratio));
         }
@@ -78,7 +81,7 @@ pub fn simplify_cloud(
     if target_count >= n {
         return Ok(keep_all(n));
     }
-    let (spacing, thinning) = thin_to_count(target_count, progress, &thin)?;
+    let (spacing, thinning) = thin_to_count(target_count, tolerance, progress, &thin)?;
     finish(&thinning, unit * spacing, unit, progress)
 }
 
@@ -93,6 +96,9 @@ const MAX_TRIES: u64 = 12;
 /// Accepted relative difference of the number of points.
 const COUNT_TOLERANCE: f64 = 0.01;
 
+/// Accepted relative difference of the number of points of [`CloudTarget::About`].
+const ABOUT: f64 = 0.2;
+
 /// Smallest spacing relative to the longest side; below it, cell numbers would be dominated by rounding.
 const MIN_SPACING: f64 = 1e-12;
 
@@ -100,6 +106,7 @@ const MIN_SPACING: f64 = 1e-12;
 /// tries.
 fn thin_to_count<'a>(
     target_count: usize,
+    tolerance: f64,
     progress: Progress<'_>,
     thin: &dyn Fn(f64) -> Result<Thinning<'a>, Cancelled>,
 ) -> Result<(f64, Thinning<'a>), Cancelled> {
@@ -120,7 +127,7 @@ fn thin_to_count<'a>(
         if best.as_ref().is_none_or(|b| off < b.0) {
             best = Some((off, spacing, thinning));
         }
-        if off as f64 <= COUNT_TOLERANCE * target_count as f64 {
+        if off as f64 <= tolerance * target_count as f64 {
             break;
         }
         let by_power = spacing * (count as f64 / target_count as f64).sqrt();

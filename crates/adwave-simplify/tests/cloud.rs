@@ -50,6 +50,8 @@ fn numbers_of_points_are_met() {
     for n in [6000, 2000, 200, 20] {
         let found = simplify_cloud(&cloud, CloudTarget::Points(n), Progress::none()).unwrap().kept.len();
         assert!(found.abs_diff(n) <= 1 + n / 50, "{found} in place of {n}");
+        let about = simplify_cloud(&cloud, CloudTarget::About(n), Progress::none()).unwrap().kept.len();
+        assert!(about.abs_diff(n) <= 1 + n / 5, "{about} in place of about {n}");
     }
     let half = simplify_cloud(&cloud, CloudTarget::Ratio(0.5), Progress::none()).unwrap().kept.len();
     assert!(half.abs_diff(cloud.points().len() / 2) <= 80);
