@@ -31,13 +31,17 @@ Methods:
   taubin       smoothing by the windowed sinc, with the gain 1/2 at the same frequency
   lee          saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
-  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, with reconstruction
-  bilateral    denoising of a mesh by bilateral normal filtering with its own defaults; adwave drops four levels
+  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, with
+               reconstruction
+  bilateral    denoising of a mesh by bilateral normal filtering with its own defaults; adwave
+               drops four levels
   guided       denoising of a mesh by guided normal filtering; adwave drops four levels
   subdivision  wavelets by lifting on levels of the mesh: compaction, and dependence on the place
   dw, bdw      diffusion wavelets and biorthogonal ones (up to 6000 vertices), with reconstruction
-  gaussian     bands of an image or a volume by sampled Gaussians of the same widths, as gaussian_filter of SciPy
-  starlet      bands of an image or a volume by the isotropic undecimated wavelet of the B3 spline [default levels: its widths]
+  gaussian     bands of an image or a volume by sampled Gaussians of the same widths, as
+               gaussian_filter of SciPy
+  starlet      bands of an image or a volume by the isotropic undecimated wavelet of the B3 spline
+               [default levels: its widths]
 
 The results are DIR/adwave.ply and DIR/METHOD.ply, the table is DIR/comparison.json. Bands and rest of an image are the channels
 of .tif, of a volume the frames of .nii.gz, of a sequence the columns of .npy.

@@ -22,7 +22,7 @@ from both to the blend. Shares below 0 or above 1 exaggerate.
 
 Examples:
   adwave morph calm.obj smile.obj -o half.obj --share 0.5
-  adwave morph calm.obj smile.obj -o mixed.obj --share 0 --band-shares 1,1,0.5     new fine detail")]
+  adwave morph calm.obj smile.obj -o mixed.obj --share 0 --band-shares 1,1,0.5   new fine detail")]
 pub(crate) struct MorphArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,

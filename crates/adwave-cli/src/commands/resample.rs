@@ -28,7 +28,7 @@ NaN is no value. One connected piece of exact zeros is taken as the medial wall 
 not bleed into the rest.
 
 Examples:
-  adwave resample lh.thickness --from lh.sphere.reg --to L.sphere.surf.gii -o L.thickness.shape.gii
+  adwave resample lh.thickness --from lh.sphere.reg --to L.sphere.surf.gii -o L.thick.shape.gii
   adwave resample lh.yeo7.annot --from lh.sphere.reg --to L.sphere.surf.gii -o L.yeo7.label.gii
   adwave resample lh.area --from lh.sphere.reg --to L.sphere.surf.gii -o L.area.gii --keep sum
   adwave resample lh.thickness rh.thickness --from lh.sphere.reg --from rh.sphere.reg \\

@@ -23,7 +23,8 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Output by extension:
   .ply .vtp   the shape with the fields saliency and color
-  .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then each level
+  .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then
+              each level
   .csv .gii   the map and, with --per-level, the levels as named columns; .gii as 32-bit floats
 
 The map of coordinates is + where the shape is convex and - where it is concave, if the shape has an outside. That of a scalar

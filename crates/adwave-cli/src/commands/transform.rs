@@ -39,8 +39,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Output by extension:
-  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy; along time
-              band (J+1,I+1,n,T) instead of the first two, whose sum is the signal, and time_sigma (I+1)
+  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for
+              numpy; along time band (J+1,I+1,n,T) instead of the first two, whose sum is the
+              signal, and time_sigma (I+1)
   .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
   .gii        the fields W1 … WJ and SJ, which sum to the signal, as 32-bit floats
   .nii .tif   of an image or a volume, the same as J+1 channels

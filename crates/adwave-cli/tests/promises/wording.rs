@@ -182,3 +182,21 @@ fn faults_of_wording_are_found() {
         assert!(wording_faults(good).is_empty(), "{good}: {:?}", wording_faults(good));
     }
 }
+
+/// Columns of the help on a wide terminal.
+const HELP_COLUMNS: usize = 98;
+
+#[test]
+fn tables_and_examples_of_the_help_are_not_broken() {
+    let definition = adwave_cli::definition();
+    let mut faults = Vec::new();
+    for command in definition.get_subcommands() {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        for line in help.lines().filter(|line| line.starts_with("  ")) {
+            if line.chars().count() > HELP_COLUMNS {
+                faults.push(format!("{}: {line}", command.get_name()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "lines of more than {HELP_COLUMNS} columns:\n{}", faults.join("\n"));
+}

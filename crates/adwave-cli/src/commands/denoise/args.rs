@@ -33,9 +33,11 @@ column or file, or alone into a file of values.
 
 Output by extension:
   a format of shapes   the shape with new positions, or with the signal as a field
-  .nii .tif .png …     the image or volume with new values, in the type of its file unless --value-type says otherwise
+  .nii .tif .png …     the image or volume with new values, in the type of its file unless
+                       --value-type says otherwise
   .npy                 the result alone, one row per vertex
-  .csv .gii            a denoised field alone (a field of the shape's own file goes back into a file of that format)
+  .csv .gii            a denoised field alone (a field of the shape's own file goes back into a
+                       file of that format)
 
 --border keep leaves the outline of an open shape where it is, so that neighboring tiles of a terrain still fit. --region limits
 the change to soft regions, in the words of 'adwave filter'; the noise is estimated from the whole shape.

@@ -18,7 +18,8 @@ difference show at which scale the two differ.
 Images and volumes with the same sizes and affine matrix are compared place by place; places without data in either take no part.
 
 Output by extension:
-  .html       a page with both shapes, a map of the difference, a table by level, and a map of each band
+  .html       a page with both shapes, a map of the difference, a table by level, and a map of
+              each band
   .ply .vtp   SHAPE with the fields difference, W1 ... WJ and the rest S_J
   .nii .tif   of an image or a volume, the same as frames; also .nrrd, .npy and others
   .npz        of an image or a volume, the arrays of 'adwave transform' for the difference

@@ -16,9 +16,11 @@ use std::path::PathBuf;
 #[command(after_help = concat!(regions_help!(), "
 Output by extension:
   a format of shapes   the shape with new positions, or with the signal as a field
-  .nii .tif .png …     the image or volume with new values, in the type of its file unless --value-type says otherwise
+  .nii .tif .png …     the image or volume with new values, in the type of its file unless
+                       --value-type says otherwise
   .npy                 the result alone, one row per vertex
-  .csv .gii            a filtered field alone (a field of the shape's own file goes back into a file of that format)
+  .csv .gii            a filtered field alone (a field of the shape's own file goes back into a
+                       file of that format)
 
 Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress

@@ -13,8 +13,8 @@ Examples:
   adwave info land.copc.laz --resolution 5        a coarse look at a large cloud
   adwave info bunny.obj --json | jq .health
   adwave info sample:creature --vertices 200000
-  adwave info bunny.obj --detail                 loss of detail, level by level
-  adwave info bunny.obj --error 0.1%             the bands that can be dropped within that error")]
+  adwave info bunny.obj --detail                  loss of detail, level by level
+  adwave info bunny.obj --error 0.1%              bands that can be dropped within that error")]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,

@@ -25,7 +25,7 @@ Examples:
   adwave simplify bunny.ply -o small.ply --ratio 0.1 --weights mean-curvature     or a field
   adwave simplify fsaverage5.gii -o fsaverage4.gii --level 1
   adwave simplify scan.laz -o thin.laz --error 0.25
-  adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2     all other points stay"
+  adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2   other points stay"
 )]
 pub(crate) struct SimplifyArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
