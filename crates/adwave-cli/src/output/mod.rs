@@ -19,7 +19,7 @@ pub(crate) use files::{
 };
 pub(crate) use health::given_normals_json;
 pub(crate) use lengths::{bounds_json, bounds_text, coordinate_text, fwhm_json, fwhm_text, percent_of};
-pub(crate) use number::{bytes_text, count, number, steps_json, steps_text};
+pub(crate) use number::{bytes_text, count, number, shift, steps_json, steps_text};
 pub(crate) use print::{
     command_line, note, peak_memory, plain_text, print, print_bytes, print_remarks, table, tell,
 };

@@ -8,6 +8,13 @@ pub(crate) fn number(value: f64) -> String {
     if value.is_finite() { digits(value) } else { value.to_string() }
 }
 
+/// Shift in words: three numbers, 0 for what is rounding beside `size`.
+pub(crate) fn shift(coordinates: [f64; 3], size: f64) -> String {
+    /// Largest rounding beside 1.
+    const ROUNDING: f64 = 1e-14;
+    coordinates.map(|c| number(if c.abs() < ROUNDING * size { 0.0 } else { c })).join(", ")
+}
+
 /// A number of things with its noun: `1 tile`, `2 tiles`. `plural` is the plural of `noun`.
 pub(crate) fn count<N: std::fmt::Display + Copy + PartialEq + From<u8>>(
     n: N,

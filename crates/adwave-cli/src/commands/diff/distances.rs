@@ -6,7 +6,7 @@ use super::reach::Reach;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
-use crate::output::{count, note, number};
+use crate::output::{count, note, number, shift};
 use crate::resolve::operator::prepare;
 use crate::resolve::shape::Input;
 use crate::resolve::signal::file_normals;
@@ -143,7 +143,7 @@ fn vertex_differences(
                     .to_owned(),
             )
         })?;
-        how.push(moved_sentence(&second.name, &found));
+        how.push(moved_sentence(&second.name, &found, decomposer.extent()));
         move_shape(second, &found)?;
         motion = Some(found);
     }
@@ -172,7 +172,7 @@ fn closest_differences(
     let (mut motion, mut alignment) = (None, None);
     if args.align {
         let found = fit(first, second, decomposer, global)?;
-        how.push(moved_sentence(&second.name, &found.motion));
+        how.push(moved_sentence(&second.name, &found.motion, decomposer.extent()));
         if let Some(doubt) = doubt(&found, [&first.name, &second.name]) {
             note(global, &doubt);
             how.push(doubt);
@@ -294,11 +294,11 @@ pub(super) fn fact(name: &str, value: String, meaning: &str) -> Fact {
     Fact { name: name.to_owned(), value, meaning: meaning.to_owned() }
 }
 
-fn moved_sentence(name: &str, motion: &Motion) -> String {
+fn moved_sentence(name: &str, motion: &Motion, size: f64) -> String {
     format!(
         "{name} was rotated by {:.3}° and translated by ({}) to fit.",
         motion.degrees(),
-        motion.translation().map(number).join(", ")
+        shift(motion.translation(), size)
     )
 }
 
