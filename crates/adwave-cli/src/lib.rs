@@ -161,9 +161,11 @@ fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>)
 /// The use that a command makes of the heap; some commands refine it when they know their input.
 fn heap_use(command: &Command) -> HeapUse {
     match command {
-        Command::Denoise(_) | Command::Features(_) | Command::Filter(_) | Command::Saliency(_) => {
-            HeapUse::ReuseVectors
-        }
+        Command::Denoise(_)
+        | Command::Features(_)
+        | Command::Filter(_)
+        | Command::Match(_)
+        | Command::Saliency(_) => HeapUse::ReuseVectors,
         _ => HeapUse::ReturnVectors,
     }
 }

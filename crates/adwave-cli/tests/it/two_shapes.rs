@@ -65,6 +65,57 @@ fn scans_are_matched_drawn_and_brought_together() {
 }
 
 #[test]
+fn large_clouds_are_searched_at_some_points_and_matched_by_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    two_scans(path);
+    let seen = adwave(path)
+        .args(words(
+            "match a.off b.off --as cloud --search-points 4000 --json --moved moved.ply -o pairs.csv",
+        ))
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let notes = String::from_utf8(seen.stderr).unwrap();
+    let said = notes.lines().filter(|line| line.contains("evenly spread (--search-points")).count();
+    assert_eq!(said, 2, "{notes}");
+    let found: serde_json::Value = serde_json::from_slice(&seen.stdout).unwrap();
+    let matrix = &found["motion"]["matrix"];
+    for (i, row) in [[0.0, -1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 0.0]].iter().enumerate() {
+        for (j, wanted) in row.iter().enumerate() {
+            assert!((matrix[i][j].as_f64().unwrap() - wanted).abs() < 0.01, "{matrix}");
+        }
+    }
+    let points = |name: &str| -> Vec<[f64; 3]> {
+        let text = std::fs::read_to_string(path.join(name)).unwrap();
+        let n: usize = text.lines().nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap();
+        text.lines().skip(2).take(n).map(numbers).collect()
+    };
+    for (side, name) in [("first", "a.off"), ("second", "b.off")] {
+        let all = points(name);
+        assert_eq!(found[side]["vertices"], all.len(), "{name}");
+        let searched = found[side]["searched"].as_u64().unwrap();
+        assert!((3200..=4800).contains(&searched), "{searched} of {name}");
+        // Vertices are rows of the file, not of the points that were searched.
+        for pair in found["pairs"].as_array().unwrap() {
+            let own = all[pair[side]["vertex"].as_u64().unwrap() as usize];
+            let at = |c: usize| pair[side]["position"][c].as_f64().unwrap();
+            let off = (0..3).map(|c| (own[c] - at(c)).powi(2)).sum::<f64>().sqrt();
+            assert!(off < 2.0 * pair[side]["sigma"].as_f64().unwrap(), "{pair}");
+        }
+    }
+    // All points are moved, and what was moved lies on the other.
+    let moved = json(path, "info moved.ply");
+    assert_eq!(moved["diffusion"]["vertices"], points("a.off").len());
+    let rms = |line: &str| json(path, line)["difference"]["rms"].as_f64().unwrap();
+    assert!(rms("diff b.off moved.ply --by closest") < 0.02 * rms("diff b.off a.off --by closest"));
+    // A copy that moved is found exactly, although other points of it are searched.
+    let copy = json(path, "match a.off moved.ply --as cloud --search-points 4000");
+    assert!(copy["motion"]["median_distance"].as_f64().unwrap() < 1e-6, "{copy}");
+}
+
+#[test]
 fn diff_says_where_and_at_which_scale() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -103,7 +154,8 @@ fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
     std::fs::write(path.join("line.xyz"), "0 0 0\n1 0 0\n2 0 0\n").unwrap();
     for (line, said) in [
         ("match sample:sphere g.mtx", "graph"),
-        ("match sample:sphere dot.xyz", "no extent"),
+        ("match sample:sphere dot.xyz", "dot.xyz: the shape has no extent"),
+        ("match sample:sphere sample:torus --search-points 900", "neither shape is one"),
         ("diff sample:sphere g.mtx", "no positions"),
         ("diff sample:sphere line.xyz --by vertex", "needs equal numbers of vertices"),
         ("diff sample:sphere sample:torus -o out.stl", ".vtk, .msh, .graphml, .fits or .html"),

@@ -301,6 +301,7 @@ const CASES: &[OptionCase] = &[
     in_file(case("match", "--moved", "out/moved.ply"), "creature.ply"),
     in_file(case("match", "--motion", "none"), "creature.ply"),
     in_file(case("match", "--within", "0.1"), "creature.ply"),
+    in_file(with(case("match", "--search-points", "200"), "--as cloud"), "creature.ply"),
     in_file(with(case("match", "--ratio", "0.5"), "--motion none"), "creature.ply"),
     with(case("match", "--view", "top"), "--picture out/pairs.png"),
     with(case("match", "--up", "x"), "--picture out/pairs.png"),

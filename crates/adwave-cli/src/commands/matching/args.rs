@@ -1,10 +1,14 @@
 //! The arguments of `adwave match`.
 
-use crate::args::{ShapeArgs, file_name, number};
+use crate::args::{ShapeArgs, count_from_one, file_name, number};
 use adwave_register::PairParams;
 use adwave_render::{Up, View};
 use clap::{Args, ValueEnum};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
+
+/// Usual number of points of a cloud that are searched for features.
+const SEARCH_POINTS: NonZeroUsize = NonZeroUsize::new(50_000).unwrap();
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -19,8 +23,8 @@ motion brings its features within one sigma of each other. Both shapes must be i
 too, and --motion none pairs features by similarity alone, for bent shapes.
 
 Examples:
-  adwave match scan1.ply scan2.ply                                  the motion and pairs of features
-  adwave match scan1.ply scan2.ply --picture matches.png            pairs joined by lines
+  adwave match scan1.ply scan2.ply                          the motion and pairs of features
+  adwave match scan1.ply scan2.ply --picture matches.png    pairs joined by lines
   adwave match scan1.ply scan2.ply -o pairs.csv --moved scan1-on-2.ply
   adwave match bust.obj bust-in-inches.obj --motion similarity")]
 pub(crate) struct MatchArgs {
@@ -48,6 +52,9 @@ pub(crate) struct MatchArgs {
     /// what triangles, sampling and noise can cause; 1 for a surface without an outside]
     #[arg(long, value_name = "T", value_parser = number, help_heading = "Matching")]
     pub(crate) theta: Option<f64>,
+    /// Points of a cloud that are searched for features, evenly spread; the motion is refined on all
+    #[arg(long, value_name = "N", value_parser = count_from_one, default_value_t = SEARCH_POINTS, help_heading = "Matching")]
+    pub(crate) search_points: NonZeroUsize,
     /// With --motion none: largest ratio of the descriptor distance of a pair to that of the second nearest
     #[arg(long, value_name = "R", value_parser = number, default_value_t = 0.9, help_heading = "Matching")]
     pub(crate) ratio: f64,

@@ -2,17 +2,18 @@
 
 mod args;
 mod picture;
+mod thinning;
 
 use crate::args::ShapeArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
 use crate::output::{
-    check_writable, count, has_extension, number, output_format, print, table, without_gzip, write_file,
-    write_shape,
+    check_writable, count, has_extension, number, output_format, print, shift, table, without_gzip,
+    write_file, write_shape,
 };
 use crate::resolve::applicable::check_shape_options;
-use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::operator::{build_decomposer, check_operator, operator_for_task, prepare};
 use crate::resolve::shape::{Input, load_one_of_two, move_points};
 use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
@@ -28,6 +29,7 @@ use args::MotionArg;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
+use thinning::WholeCloud;
 
 /// Most pairs that are printed.
 const MAX_PRINTED: usize = 20;
@@ -39,7 +41,10 @@ const UNIT_RATIO: f64 = 1.7;
 
 /// One of the two shapes.
 struct Side {
+    /// The shape, or the points of a large cloud that are searched for features.
     input: Input,
+    /// The large cloud.
+    whole: Option<WholeCloud>,
     decomposer: Decomposer,
     registrand: Registrand,
 }
@@ -47,6 +52,10 @@ struct Side {
 impl Side {
     fn features(&self) -> &ShapeFeatures {
         &self.registrand.features
+    }
+
+    fn n_vertices(&self) -> usize {
+        self.whole.as_ref().map_or(self.decomposer.n_vertices(), WholeCloud::n_vertices)
     }
 }
 
@@ -86,7 +95,7 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
         let Some(RegisteredMotion { motion, .. }) = found.motion() else {
             return Err(CliError::Input("no motion was found that --moved could apply to SHAPE".to_owned()));
         };
-        let mut file = first.input.file.clone();
+        let mut file = first.whole.as_ref().map_or(&first.input.file, |whole| &whole.file).clone();
         let points = file.points().iter().map(|p| motion.apply(p)).collect();
         move_points(&mut file, points, MovedNormals::Follow, global)?;
         write_shape(global, &file, path)?;
@@ -145,21 +154,32 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
         inputs.push(input);
     }
     check_shape_options(&inputs.iter().collect::<Vec<_>>(), global)?;
+    if !inputs.iter().any(|input| input.shape.is_cloud()) {
+        global.given.refuse(&["--search-points"], "applies to clouds, and neither shape is one")?;
+    }
     let mut prepared = Vec::new();
     for input in inputs {
-        let decomposer = prepare(global, &input, &operator)?;
-        prepared.push((input, decomposer));
+        let (input, whole) = thinning::split(input, args.search_points.get(), &operator, global)?;
+        let decomposer = match whole {
+            // Notes on its points were printed for the whole cloud.
+            Some(_) => {
+                check_operator(&input.shape, &operator, global)?;
+                with_progress(global, "preparing", |progress| build_decomposer(&input, &operator, progress))?
+            }
+            None => prepare(global, &input, &operator)?,
+        };
+        let lengths = common_lengths(&decomposer, &decomposer)
+            .map_err(|e| CliError::Input(format!("{}: {e}", input.name)))?;
+        prepared.push((input, whole, decomposer, lengths));
     }
-    let lengths_of =
-        |k: usize| common_lengths(&prepared[k].1, &prepared[k].1).map_err(|e| CliError::classify(&e));
-    let lengths = if args.motion == MotionArg::Rigid {
-        let both = common_lengths(&prepared[0].1, &prepared[1].1).map_err(|e| CliError::classify(&e))?;
-        [both.clone(), both]
-    } else {
-        [lengths_of(0)?, lengths_of(1)?]
-    };
+    if args.motion == MotionArg::Rigid {
+        let both = common_lengths(&prepared[0].2, &prepared[1].2).map_err(|e| CliError::classify(&e))?;
+        for (.., lengths) in &mut prepared {
+            lengths.clone_from(&both);
+        }
+    }
     let mut sides = Vec::new();
-    for ((input, decomposer), lengths) in prepared.into_iter().zip(lengths) {
+    for (input, whole, decomposer, lengths) in prepared {
         let normals = file_normals(&input.file);
         let described = with_progress(global, "finding features", |progress| {
             describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
@@ -169,7 +189,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
             with_progress(global, "preparing", |progress| Registrand::new(&decomposer, described, progress))
                 .map_err(|_| CliError::Cancelled)?
                 .ok_or_else(|| CliError::Input(format!("{}: the shape has no points", input.name)))?;
-        sides.push(Side { input, decomposer, registrand });
+        sides.push(Side { input, whole, decomposer, registrand });
     }
     sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
 }
@@ -180,10 +200,17 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         return Ok(Matching { registration: None, pairs: descriptor_pairs(a, b, args.ratio) });
     }
     let params = SearchParams::default().with_scaled(args.motion == MotionArg::Similarity);
-    let registration = with_progress(global, "matching", |progress| {
+    let mut registration = with_progress(global, "matching", |progress| {
         register(&first.registrand, &second.registrand, &params, progress)
     })
     .map_err(|_| CliError::Cancelled)?;
+    if registration.is_clear
+        && let Some(best) = &mut registration.best
+    {
+        with_progress(global, "refining", |progress| {
+            thinning::refine(first, second, best, params.scaled, progress)
+        })?;
+    }
     let pairs = registration.pairs(&first.registrand, &second.registrand, args.within);
     Ok(Matching { registration: Some(registration), pairs })
 }
@@ -191,7 +218,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
 /// Sentences on the motion, on the evidence for it, and on the other motions that fit equally well.
 fn describe_motion(found: &RegisteredMotion, registration: &Registration, second: &Side) -> String {
     let chance = registration.chance.map_or(0.0, |fit| fit.agreement.max(0.0));
-    let mut text = format!("motion: {}\n", motion_text(&found.motion));
+    let mut text = format!("motion: {}\n", motion_text(&found.motion, second.decomposer.extent()));
     let _ = writeln!(
         text,
         "rests on: {} within 1 σ of each other, {} after the best motion of the mirror image; bands correlate by {:.2}, mirrored by {chance:.2}",
@@ -219,7 +246,7 @@ fn describe_motion(found: &RegisteredMotion, registration: &Registration, second
             let _ = writeln!(
                 text,
                 "  {}; median distance {}, {:.0} % overlap",
-                motion_text(&other.motion),
+                motion_text(&other.motion, second.decomposer.extent()),
                 number(other.fit.median),
                 100.0 * other.fit.overlap
             );
@@ -231,13 +258,13 @@ fn describe_motion(found: &RegisteredMotion, registration: &Registration, second
     text
 }
 
-fn motion_text(motion: &Motion) -> String {
+fn motion_text(motion: &Motion, size: f64) -> String {
     let scale =
         if motion.scale() == 1.0 { String::new() } else { format!(", scale {}", number(motion.scale())) };
     format!(
         "rotation by {:.2}°, translation by ({}){scale}",
         motion.degrees(),
-        motion.translation().map(number).join(", ")
+        shift(motion.translation(), size)
     )
 }
 
@@ -270,7 +297,7 @@ fn describe_none(args: &MatchArgs, first: &Side, second: &Side) -> String {
 fn describe(args: &MatchArgs, first: &Side, second: &Side, found: &Matching) -> String {
     let mut text = String::new();
     for side in [first, second] {
-        let (n, n_features) = (side.decomposer.n_vertices(), side.features().features.len());
+        let (n, n_features) = (side.n_vertices(), side.features().features.len());
         let (n, n_features) = (count(n, "vertex", "vertices"), count(n_features, "feature", "features"));
         let _ = writeln!(text, "{}: {n}, {n_features}", side.input.name);
     }
@@ -335,8 +362,8 @@ fn motion_json(found: &RegisteredMotion, matching: &Matching) -> Value {
 fn report(first: &Side, second: &Side, found: &Matching) -> Value {
     let side = |side: &Side| {
         json!({
-            "shape": side.input.name, "vertices": side.decomposer.n_vertices(), "features": side.features().features.len(),
-            "signed": side.features().is_signed,
+            "shape": side.input.name, "vertices": side.n_vertices(), "searched": side.decomposer.n_vertices(),
+            "features": side.features().features.len(), "signed": side.features().is_signed,
         })
     };
     json!({
