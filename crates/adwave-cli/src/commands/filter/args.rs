@@ -25,7 +25,7 @@ Output by extension:
 Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress
   adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
-  adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
+  adwave filter bust.obj -o a.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
   adwave filter lidar.laz -o smooth.laz --preset smooth --along z --only classification=2
   adwave filter centerline.vtk -o smooth.vtk --preset smooth --lengths 1,2,4
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress

@@ -3,8 +3,8 @@
 use super::Side;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::count;
 use crate::output::progress::with_progress;
-use crate::output::{count, note};
 use crate::resolve::operator::note_outsiders;
 use crate::resolve::shape::{Carrier, Input};
 use adwave::Progress;
@@ -43,18 +43,19 @@ pub(super) fn split(
     })?;
     note_outsiders(Some(&geometry), &input, global);
     let is_searched = with_progress(global, "thinning", |progress| spread(&geometry, most, progress))?;
+    if is_searched.iter().all(|is| *is) {
+        // Points on a line or a grid may have no spacing that leaves fewer.
+        return Ok((input, None));
+    }
     let file = input.file.select_rows(&is_searched)?;
     let shape =
         file.to_shape_as(ShapeKind::Cloud).map_err(|e| CliError::Input(format!("{}: {e}", input.name)))?;
-    note(
-        global,
-        &format!(
-            "{}: features are sought among {} of {}, evenly spread (--search-points N for more or fewer)",
-            input.name,
-            file.n_vertices(),
-            count(input.file.n_vertices(), "point", "points"),
-        ),
-    );
+    global.inputs.add_remark(format!(
+        "{}: features are sought among {} of {}, evenly spread (--search-points N for more or fewer)",
+        input.name,
+        file.n_vertices(),
+        count(input.file.n_vertices(), "point", "points"),
+    ));
     let whole = WholeCloud { file: input.file, geometry };
     Ok((Input { file, shape, ..input }, Some(whole)))
 }
