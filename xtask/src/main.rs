@@ -229,29 +229,28 @@ fn test() -> StepResult {
     cargo(&["test", "--workspace", "--locked", "--quiet", "--no-run"], &[])?;
     cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
-    // The last tests of each crate run alone, so that a quarter of the processors is idle during those of Rust: broken input
-    // and the documentation have it.
-    let documents = std::thread::spawn(|| -> StepResult {
+    // Two rows of tests, so that no processor is idle during the last tests of a crate, while a browser is waited for, or
+    // beside tests of the package, most of which are serial.
+    let test = |words: &[&str]| {
+        cargo(&[&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"][..], words].concat(), &[])
+    };
+    let others = std::thread::spawn(move || -> StepResult {
+        test(&["--lib", "--bins"])?;
+        test(&["--doc"])?;
         println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
         let fuzzer = target().join("debug/adwave-fuzz");
         run(Command::new(fuzzer).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;
         site::build()?;
         // Only those crates that are not published are left.
         let words = ["doc", "--workspace", "--no-deps", "--locked", "--quiet"];
-        cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])
-    });
-    let tests = cargo(&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"], &[]);
-    let documents = documents.join().map_err(|_| "the thread of the documentation panicked")?;
-    tests.and(documents)?;
-    // The tests of the package, most of which are serial, beside those of the page, which wait for the browser.
-    let package = std::thread::spawn(|| -> StepResult {
+        cargo(&words, &[("RUSTDOCFLAGS", "-D warnings")])?;
         package::test_package(&[])?;
         let adwave = target().join("debug/adwave");
         compare_with_scipy(&adwave, "oracle-small", [1000, 1000, 1000, 1000, 3000], None)
     });
-    let page = studio::test();
-    package.join().map_err(|_| "the thread of the package panicked")??;
-    page?;
+    let first = test(&["--test", "*"]).and_then(|()| studio::test());
+    let others = others.join().map_err(|_| "the second row of tests panicked")?;
+    first.and(others)?;
     dependencies()
 }
 
