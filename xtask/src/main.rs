@@ -235,7 +235,8 @@ fn test() -> StepResult {
         cargo(&[&["test", "--workspace", "--locked", "--quiet", "--no-fail-fast"][..], words].concat(), &[])
     };
     let others = std::thread::spawn(move || -> StepResult {
-        test(&["--lib", "--bins"])?;
+        // Not `--bins`, which would build the tests of programs that have none.
+        test(&["--lib"])?;
         test(&["--doc"])?;
         println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
         let fuzzer = target().join("debug/adwave-fuzz");
