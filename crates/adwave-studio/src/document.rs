@@ -93,6 +93,10 @@ pub struct DocumentLayer {
 }
 
 impl DocumentLayer {
+    fn has_effect(&self) -> bool {
+        self.on && self.opacity > 0.0 && self.gains.iter().any(|gain| *gain != 1.0)
+    }
+
     /// Converts to the layer of a recipe with the same effect.
     fn to_recipe_layer(&self) -> Layer {
         let faded = |g: &f64| if self.opacity == 1.0 { *g } else { 1.0 + self.opacity * (g - 1.0) };
@@ -193,12 +197,16 @@ impl Document {
         edit.filter(|edit| edit.on).map_or_else(Vec::new, |edit| to_recipe_layers(&edit.layers))
     }
 
+    /// True if the edit moves vertices or turns faces.
+    pub(crate) fn changes_positions(&self) -> bool {
+        let is_reshaped = !self.clones.is_empty() || self.pose.is_some() || !self.turned.is_empty();
+        is_reshaped || self.layers.iter().any(DocumentLayer::has_effect)
+    }
+
     /// Returns the names of the fields with a layer that has an effect.
     pub(crate) fn changed_fields(&self) -> Vec<String> {
-        let changes = |layer: &DocumentLayer| {
-            layer.on && layer.opacity > 0.0 && layer.gains.iter().any(|gain| *gain != 1.0)
-        };
-        let changed = self.fields.iter().filter(|edit| edit.on && edit.layers.iter().any(changes));
+        let is_changed = |edit: &&FieldEdit| edit.on && edit.layers.iter().any(DocumentLayer::has_effect);
+        let changed = self.fields.iter().filter(is_changed);
         changed.map(|edit| edit.field.clone()).collect()
     }
 

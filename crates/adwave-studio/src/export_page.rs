@@ -50,6 +50,12 @@ impl ExportedShape {
 
 /// Responds with the HTML file of the current edit.
 pub(crate) fn export_page(session: &Session) -> ApiResult {
+    if session.shape.is_graph() {
+        let name = &session.workspace.name;
+        return Err(ApiError::bad_request(format!(
+            "the page with sliders shows surfaces and clouds, and {name} is a graph; save it, or download a picture"
+        )));
+    }
     let exported = select_vertices(session)?;
     let prepared = session.lock_prepared()?;
     let exported = exported.with_turned_parts(&prepared)?;

@@ -86,22 +86,18 @@ impl FieldInfo {
 /// Lists the fields of a shape.
 pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
     use FieldOrigin::{Bands, Colors, Editable, EditedShape, Fixed};
-    let mut fields = vec![
-        FieldInfo::new("change", "Displacement", "model units", EditedShape),
-        FieldInfo { diverging: true, ..FieldInfo::new("saliency", "Saliency", "", EditedShape) },
-    ];
-    for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature, SurfaceSignal::ShapeIndex] {
-        let label = sentence_case(kind.name());
-        let info = FieldInfo::new(kind.name(), &label, kind.unit().unwrap_or(""), EditedShape);
-        fields.push(FieldInfo { diverging: true, ..info });
+    let mut fields = Vec::new();
+    if session.shape.points().is_some() {
+        fields.push(FieldInfo::new("change", "Displacement", "model units", EditedShape));
     }
-    if session.shape.is_cloud() {
-        let unit = SurfaceSignal::Density.unit().unwrap_or("");
-        fields.push(FieldInfo::new("density", "Density", unit, EditedShape));
+    if !session.shape.is_graph() {
+        fields.extend(fields_of_surfaces(session.shape.is_cloud()));
     }
-    for level in 1..=n_levels {
-        let (name, label) = (format!("band-{level}"), format!("Size of band {level}"));
-        fields.push(FieldInfo::new(&name, &label, "model units", Bands));
+    if session.shape.points().is_some() {
+        fields.extend((1..=n_levels).map(|level| {
+            let (name, label) = (format!("band-{level}"), format!("Size of band {level}"));
+            FieldInfo::new(&name, &label, "model units", Bands)
+        }));
     }
     let (file, uneditable) = (session.file(), session.uneditable_fields());
     let computed: HashSet<String> = fields.iter().map(|field| field.name.clone()).collect();
@@ -122,6 +118,22 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
     join_series(&mut fields[first..], &file);
     if file.field("color").is_some_and(|color| matches!(color.n_channels, 3 | 4)) {
         fields.push(FieldInfo::new("color", "Colors of the file", "", Colors));
+    }
+    fields
+}
+
+/// Lists the fields that are computed from the normals of a surface or a cloud.
+fn fields_of_surfaces(is_cloud: bool) -> Vec<FieldInfo> {
+    let edited = |name: &str, label: &str, unit: Option<&str>| {
+        FieldInfo::new(name, label, unit.unwrap_or(""), FieldOrigin::EditedShape)
+    };
+    let mut fields = vec![FieldInfo { diverging: true, ..edited("saliency", "Saliency", None) }];
+    for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature, SurfaceSignal::ShapeIndex] {
+        let info = edited(kind.name(), &sentence_case(kind.name()), kind.unit());
+        fields.push(FieldInfo { diverging: true, ..info });
+    }
+    if is_cloud {
+        fields.push(edited("density", "Density", SurfaceSignal::Density.unit()));
     }
     fields
 }

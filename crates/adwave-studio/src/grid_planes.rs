@@ -81,11 +81,18 @@ pub(crate) struct PlaneRequest {
     /// Number of rows and columns that are sent.
     sizes: [usize; 2],
     step: usize,
+    /// Frame of a series; `None` without frames.
+    frame: Option<usize>,
 }
 
 impl PlaneRequest {
-    /// Parses `axes=A,B&from=R,C&to=R,C&step=S`, with `index=K` for a slice of a volume; all but the axes are optional.
-    pub(crate) fn parse(query: &HashMap<String, String>, layout: &GridLayout) -> Result<Self, ApiError> {
+    /// Parses `axes=A,B&from=R,C&to=R,C&step=S`, with `index=K` for a slice of a volume and `frame=T` for a series of
+    /// `n_frames`; all but the axes are optional.
+    pub(crate) fn parse(
+        query: &HashMap<String, String>,
+        layout: &GridLayout,
+        n_frames: Option<usize>,
+    ) -> Result<Self, ApiError> {
         let pair = |name: &str| -> Result<Option<[usize; 2]>, ApiError> {
             let Some(text) = query.get(name) else { return Ok(None) };
             let numbers = text.split_once(',').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
@@ -127,8 +134,23 @@ impl PlaneRequest {
         for k in 0..2 {
             first[axes[k]] = from[k];
         }
+        let frame = match (n_frames, query.get("frame")) {
+            (Some(n), _) => {
+                let frame = number("frame", 0)?;
+                if frame >= n {
+                    return Err(ApiError::bad_request(format!("'frame' must be below {n}, got {frame}")));
+                }
+                Some(frame)
+            }
+            (None, Some(text)) => {
+                return Err(ApiError::bad_request(format!(
+                    "'frame' must be left out for an image or a volume that is no series, got '{text}'"
+                )));
+            }
+            (None, None) => None,
+        };
         let sizes = std::array::from_fn(|k| (to[k] - from[k]).div_ceil(step));
-        Ok(Self { axes, first, sizes, step })
+        Ok(Self { axes, first, sizes, step, frame })
     }
 
     /// Index of a place of the plane, counted by rows, among those of the grid.
@@ -142,13 +164,14 @@ impl PlaneRequest {
         place
     }
 
-    /// Encodes the values and then the bands W_1 … W_J, `f32 × rows × columns × channels` each. A place without data has
-    /// NaN, and 0 in the bands.
+    /// Encodes the values and then the bands W_1 … W_J, `f32 × rows × columns × channels` each, with one channel for a
+    /// frame of a series. A place without data has NaN, and 0 in the bands.
     pub(crate) fn encode(&self, bands: &BandEdit, layout: &GridLayout) -> Result<Vec<u8>, ApiError> {
         let (signal, levels) = (bands.editor.signal(), &bands.editor.wavelets().levels);
         let n_channels = signal.len() / layout.n_places().max(1);
+        let (first, n_sent) = self.frame.map_or((0, n_channels), |frame| (frame, 1));
         let n_places = self.sizes[0] * self.sizes[1];
-        let n_values = n_places * n_channels;
+        let n_values = n_places * n_sent;
         if n_values * (1 + levels.len()) > MAX_PLANE_VALUES {
             let most = MAX_PLANE_VALUES / (1 + levels.len());
             return Err(ApiError::bad_request(format!(
@@ -159,14 +182,13 @@ impl PlaneRequest {
         let places: Vec<usize> = (0..n_places).map(|k| self.place(layout, k)).collect();
         let map = bands.decomposer.vertex_map();
         let is_kept = |place: usize| layout.kept.as_ref().is_none_or(|kept| kept[place]);
+        let value = |row: usize, k: usize| row * n_channels + first + k % n_sent;
         let mut content = encode_f32(n_values, |k| {
-            let place = places[k / n_channels];
-            if is_kept(place) { signal[place * n_channels + k % n_channels] as f32 } else { f32::NAN }
+            let place = places[k / n_sent];
+            if is_kept(place) { signal[value(place, k)] as f32 } else { f32::NAN }
         });
         for level in levels {
-            content.extend(encode_f32(n_values, |k| {
-                level[map.welded(places[k / n_channels]) * n_channels + k % n_channels] as f32
-            }));
+            content.extend(encode_f32(n_values, |k| level[value(map.welded(places[k / n_sent]), k)] as f32));
         }
         Ok(content)
     }
@@ -183,13 +205,13 @@ mod tests {
     #[test]
     fn a_slice_names_its_places() {
         let layout = GridLayout::new(&[4, 3, 5], &[1.0; 3]);
-        let plane = PlaneRequest::parse(&query(&[("axes", "0,2"), ("index", "1")]), &layout).unwrap();
+        let plane = PlaneRequest::parse(&query(&[("axes", "0,2"), ("index", "1")]), &layout, None).unwrap();
         assert_eq!(plane.sizes, [4, 5]);
         let places: Vec<usize> = (0..20).map(|k| plane.place(&layout, k)).collect();
         let expected: Vec<usize> = (0..4).flat_map(|z| (0..5).map(move |x| 15 * z + 5 + x)).collect();
         assert_eq!(places, expected);
         let part = [("axes", "0,2"), ("index", "1"), ("from", "1,0"), ("to", "4,5"), ("step", "2")];
-        let plane = PlaneRequest::parse(&query(&part), &layout).unwrap();
+        let plane = PlaneRequest::parse(&query(&part), &layout, None).unwrap();
         assert_eq!(plane.sizes, [2, 3]);
         let places: Vec<usize> = (0..6).map(|k| plane.place(&layout, k)).collect();
         assert_eq!(places, [20, 22, 24, 50, 52, 54]);
@@ -200,10 +222,15 @@ mod tests {
             (&[("index", "5")], "'index' must be below 5, got 5"),
             (&[("to", "5,5")], "within 4,3, got 0,0 and 5,5"),
             (&[("from", "2,2"), ("to", "2,3")], "'from' must lie before 'to'"),
+            (&[("frame", "2")], "'frame' must be left out"),
         ] {
-            let error = format!("{:?}", PlaneRequest::parse(&query(pairs), &layout).unwrap_err());
+            let error = format!("{:?}", PlaneRequest::parse(&query(pairs), &layout, None).unwrap_err());
             assert!(error.contains(words), "{error}");
         }
+        let frame = |frame: &str| PlaneRequest::parse(&query(&[("frame", frame)]), &layout, Some(7));
+        assert_eq!(frame("6").unwrap().frame, Some(6));
+        assert!(format!("{:?}", frame("7").unwrap_err()).contains("'frame' must be below 7, got 7"));
+        assert!(format!("{:?}", frame("-1").unwrap_err()).contains("'frame' needs a whole number, got '-1'"));
     }
 
     #[test]

@@ -25,8 +25,8 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Largest number of values; so many take 4 GiB with eight bands.
 const MAX_VALUES: usize = 1 << 25;
-/// Largest number of channels of an image: colors and their opacity.
-const MAX_CHANNELS: usize = 4;
+/// Largest number of channels of an image that are shown together: colors and their opacity.
+const MAX_COLORS: usize = 4;
 /// Number of values in the sample from which the range of colors is chosen.
 const RANGE_SAMPLE: usize = 1 << 16;
 /// Shares of the values below and above the range of colors.
@@ -63,6 +63,31 @@ pub(crate) fn grid_signal(file: &ShapeFile, name: &str) -> Result<NamedSignal, S
     named_signal(source, GRID_VALUES, None).map_err(|e| StudioError::from_classified(&e))
 }
 
+/// Number of frames, the channels that are shown one at a time; `None` if a place has one value or a color.
+fn count_frames(layout: &GridLayout, n_channels: usize) -> Option<usize> {
+    let most = if layout.sizes.len() == 2 { MAX_COLORS } else { 1 };
+    Some(n_channels).filter(|n| *n > most)
+}
+
+/// Refuses more than [`MAX_VALUES`] values.
+fn check_size(layout: &GridLayout, n_values: usize, n_frames: Option<usize>) -> Result<(), String> {
+    if n_values <= MAX_VALUES {
+        return Ok(());
+    }
+    let n_places = layout.n_places();
+    Err(match n_frames.filter(|_| n_places <= MAX_VALUES) {
+        Some(n) => format!(
+            "the studio opens up to {MAX_VALUES} values, which are {} frames of {n_places} places, got {n} frames; \
+             filter it with `adwave filter`, or open fewer frames",
+            MAX_VALUES / n_places.max(1)
+        ),
+        None => format!(
+            "the studio opens up to {MAX_VALUES} values (an image of 5792 × 5792, a volume of 322 × 322 × 322), got \
+             {n_values}; filter it with `adwave filter`, or open a part of it"
+        ),
+    })
+}
+
 /// Refuses grids that the page does not show; otherwise returns the number of channels.
 fn check_grid(file: &ShapeFile) -> Result<usize, String> {
     let (Some(layout), Some(field)) = (file.grid(), file.field(GRID_VALUES)) else {
@@ -74,35 +99,22 @@ fn check_grid(file: &ShapeFile) -> Result<usize, String> {
                     `adwave filter`"
             .to_owned());
     }
-    if n_axes == 3 && n > 1 {
-        return Err(format!(
-            "the studio opens volumes with one value per voxel, got {n}; filter a series with `adwave filter`, or write one \
-             of its volumes to a file of its own"
-        ));
-    }
-    if n > MAX_CHANNELS {
-        return Err(format!(
-            "the studio opens images of up to {MAX_CHANNELS} channels, got {n}; filter it with `adwave filter`, or write \
-             fewer channels to a file of its own"
-        ));
-    }
-    if field.values.len() > MAX_VALUES {
-        return Err(format!(
-            "the studio opens up to {MAX_VALUES} values (an image of 5792 × 5792, a volume of 322 × 322 × 322), got {}; \
-             filter it with `adwave filter`, or open a part of it",
-            field.values.len()
-        ));
-    }
+    check_size(layout, field.values.len(), count_frames(layout, n))?;
     if layout.n_missing() == layout.n_places() {
         return Err("no place has data; all are NaN, NODATA or left out".to_owned());
     }
     Ok(n)
 }
 
+/// Greatest common divisor.
+fn common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
 impl GridSession {
     pub(crate) fn new(input: StudioInput, at: OpenedAt) -> Result<Self, StudioError> {
         let StudioInput { name, path, file, .. } = input;
-        let refuse = |problem: String| StudioError::UnsuitableGrid { name: name.clone(), problem };
+        let refuse = |problem: String| StudioError::Unsuitable { name: name.clone(), problem };
         let n_channels = check_grid(&file).map_err(refuse)?;
         let layout = file.grid().expect("a grid was checked for");
         let signal = grid_signal(&file, &name)?;
@@ -112,11 +124,14 @@ impl GridSession {
         // As the command masks a signal.
         let groups = channels_by_mask(&signal.values, n_channels);
         if groups.len() > 1 || groups.first().is_some_and(|group| group.channels.len() < n_channels) {
-            return Err(refuse(
-                "the studio opens images whose channels have values at the same places, and these differ; filter it with \
-                 `adwave filter`"
-                    .to_owned(),
-            ));
+            let channels = match count_frames(layout, n_channels) {
+                Some(_) => "series whose frames",
+                None => "images whose channels",
+            };
+            return Err(refuse(format!(
+                "the studio opens {channels} have values at the same places, and these differ; filter it with `adwave \
+                 filter`"
+            )));
         }
         if let Some(flags) = groups.first().and_then(|group| group.missing.as_ref()) {
             decomposer = decomposer.masked(flags).map_err(|e| refuse(e.to_string()))?;
@@ -135,6 +150,11 @@ impl GridSession {
 
     pub(crate) fn layout(&self) -> &GridLayout {
         self.file.grid().expect("an image or a volume has axes")
+    }
+
+    /// Number of frames of a series, which are shown one at a time; `None` for other images and volumes.
+    pub(crate) fn n_frames(&self) -> Option<usize> {
+        count_frames(self.layout(), self.n_channels)
     }
 
     pub(crate) fn kind(&self) -> &'static str {
@@ -301,8 +321,9 @@ impl GridSession {
                 .filter(|&k| is_known(k))
                 .map(|k| (values[k], values[k]))
                 .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-            // A step that shares no factor with the sizes, so that the sample is no column.
-            let step = (values.len() / RANGE_SAMPLE).max(1) | 1;
+            // A step that shares no factor with the sizes, so that the sample is no column and no single frame.
+            let least = (values.len() / RANGE_SAMPLE).max(1);
+            let step = (least..).find(|step| common_divisor(*step, values.len()) == 1).unwrap_or(1);
             let mut sample: Vec<f64> =
                 (0..values.len()).step_by(step).filter(|&k| is_known(k)).map(|k| values[k]).collect();
             sample.sort_by(f64::total_cmp);
@@ -337,7 +358,9 @@ impl GridSession {
     fn describe_grid(&self, bands: &GridBands) -> Value {
         let layout = self.layout();
         let [least, greatest, low, high] = self.range(bands);
-        let kind = self.file.field(GRID_VALUES).map(|field| field.values.value_type());
+        let field = self.file.field(GRID_VALUES);
+        let frames =
+            self.n_frames().map(|n| json!({"n": n, "step": field.and_then(|field| field.frame_step)}));
         json!({
             "sizes": layout.sizes,
             "spacings": layout.spacings,
@@ -346,8 +369,9 @@ impl GridSession {
             "steps": layout.steps,
             "unit": self.file.length_unit().map(adwave_io::LengthUnit::name),
             "views": slice_views(layout, self.file.format() == Some(Format::NIFTI)),
-            "n_channels": self.n_channels,
-            "value_type": kind.map(adwave_io::ValueType::name),
+            "n_channels": if frames.is_some() { 1 } else { self.n_channels },
+            "frames": frames,
+            "value_type": field.map(|field| field.values.value_type().name()),
             "n_missing": layout.n_missing(),
             "change": {"greatest": bands.change[0], "rms": bands.change[1]},
             "terrain": self.is_terrain(),
@@ -466,5 +490,31 @@ impl GridBands {
         layout: &GridLayout,
     ) -> Result<Vec<u8>, ApiError> {
         plane.encode(&self.edit, layout)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_and_images_with_more_channels_than_colors_have_frames() {
+        let (image, volume) = (GridLayout::new(&[4, 5], &[1.0; 2]), GridLayout::new(&[4, 5, 6], &[1.0; 3]));
+        assert_eq!([1, 4, 5].map(|n| count_frames(&image, n)), [None, None, Some(5)]);
+        assert_eq!([1, 2, 90].map(|n| count_frames(&volume, n)), [None, Some(2), Some(90)]);
+    }
+
+    #[test]
+    fn too_many_values_are_refused_with_the_number_of_frames_that_fit() {
+        let layout = GridLayout::new(&[64, 256, 256], &[1.0; 3]);
+        let n_places = layout.n_places();
+        assert_eq!(check_size(&layout, 8 * n_places, Some(8)), Ok(()));
+        let series = check_size(&layout, 9 * n_places, Some(9)).unwrap_err();
+        assert!(series.contains("which are 8 frames of 4194304 places, got 9 frames"), "{series}");
+        let layout = GridLayout::new(&[512, 512, 512], &[1.0; 3]);
+        for n_frames in [None, Some(2)] {
+            let text = check_size(&layout, layout.n_places(), n_frames).unwrap_err();
+            assert!(text.contains("322 × 322 × 322), got 134217728"), "{text}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Studio: an equalizer for shapes, images and volumes in the browser.
+//! Studio: an equalizer for shapes, graphs, images and volumes in the browser.
 //!
 //! [`serve`] starts a server on the loopback interface that holds the bands of a shape or a grid and its edit, and sends
 //! the page in `web` the arrays that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control,
@@ -17,6 +17,7 @@ mod document;
 mod export_page;
 mod field_bands;
 mod fields;
+mod graph_layout;
 mod grid_files;
 mod grid_planes;
 mod grid_session;
@@ -48,11 +49,6 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StudioError {
-    /// The shape has no positions to display.
-    #[error(
-        "{0}: the studio shows surfaces and points, images and volumes, and no graphs or curves; open a mesh or a point cloud, or use `adwave transform`"
-    )]
-    NoPositions(String),
     /// The shape has more vertices than a browser can hold.
     #[error(
         "{name}: the studio supports up to {max} vertices, got {n}; reduce the shape with `adwave simplify`"
@@ -65,10 +61,10 @@ pub enum StudioError {
         /// Largest supported number of vertices.
         max: usize,
     },
-    /// The image or volume is of a kind that the studio does not show.
+    /// The image, volume or graph is of a kind that the studio does not show.
     #[error("{name}: {problem}")]
-    UnsuitableGrid {
-        /// Name of the image or volume.
+    Unsuitable {
+        /// Name of what was to be opened.
         name: String,
         /// Sentence on the shapes that the studio shows, the one that was found, and the way out.
         problem: String,
@@ -95,7 +91,7 @@ impl StudioError {
 impl ClassifiedError for StudioError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NoPositions(_) | Self::TooLarge { .. } | Self::UnsuitableGrid { .. } => ErrorKind::Input,
+            Self::TooLarge { .. } | Self::Unsuitable { .. } => ErrorKind::Input,
             Self::Method { kind, .. } => *kind,
             Self::Machine(_) => ErrorKind::Machine,
         }

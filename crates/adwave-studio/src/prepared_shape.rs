@@ -1,7 +1,7 @@
 //! Prepared state of a shape: its bands, its edit and the edited positions.
 
 use crate::StudioError;
-use crate::band_edit::{BandEdit, BandEditRequest, LevelsRequest, default_levels};
+use crate::band_edit::{BandEdit, BandEditRequest};
 use crate::document::Document;
 use crate::field_bands::FieldBands;
 use crate::pose::Poser;
@@ -51,6 +51,13 @@ pub(crate) struct PreparedShape {
     pub(crate) field_bands: Option<FieldBands>,
 }
 
+/// Shape with its positions, or places of its nodes, and the diffusion of the walk operator.
+pub(crate) struct PreparedSource<'a> {
+    pub(crate) shape: &'a Shape,
+    pub(crate) points: &'a [[f64; 3]],
+    pub(crate) walk: &'a Decomposer,
+}
+
 /// Positions after an edit, in model units.
 struct EditedPoints {
     points: Arc<Vec<[f64; 3]>>,
@@ -77,18 +84,14 @@ pub(crate) fn build_decomposer(
 impl PreparedShape {
     /// Computes the bands of `levels`; the edit is empty.
     pub(crate) fn new(
-        shape: &Shape,
-        walk_decomposer: &Decomposer,
+        source: &PreparedSource<'_>,
         levels: LevelSpec,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
+        let PreparedSource { shape, points, walk } = *source;
         let kind = levels.operator_task().default_kind();
-        let decomposer = if kind == OperatorKind::Walk {
-            walk_decomposer.clone()
-        } else {
-            build_decomposer(shape, kind, progress)?
-        };
-        let points = shape.points().unwrap_or_default();
+        let decomposer =
+            if kind == OperatorKind::Walk { walk.clone() } else { build_decomposer(shape, kind, progress)? };
         let request = BandEditRequest { values: points.as_flattened(), n_channels: 3, levels };
         let bands = BandEdit::new(decomposer, request, progress)?;
         let points = Arc::new(points.to_vec());
@@ -96,32 +99,13 @@ impl PreparedShape {
             bands,
             unposed: Arc::clone(&points),
             points,
-            poser: Arc::new(Poser::new(walk_decomposer.clone())),
+            poser: Arc::new(Poser::new(walk.clone())),
             health: OnceLock::new(),
             outward_normals: OnceLock::new(),
             parts: OnceLock::new(),
             regions: Vec::new(),
             field_bands: None,
         })
-    }
-
-    /// Computes the bands of the default levels.
-    pub(crate) fn with_default_levels(
-        shape: &Shape,
-        walk_decomposer: &Decomposer,
-        progress: Progress<'_>,
-    ) -> Result<Self, StudioError> {
-        Self::new(shape, walk_decomposer, default_levels(walk_decomposer), progress)
-    }
-
-    /// Computes the bands of the levels that the page requests.
-    pub(crate) fn with_requested_levels(
-        shape: &Shape,
-        walk: &Decomposer,
-        request: &LevelsRequest,
-        progress: Progress<'_>,
-    ) -> Result<Self, ApiError> {
-        Ok(Self::new(shape, walk, request.to_levels(walk)?, progress)?)
     }
 
     /// Returns the counts of components and defects, which are computed once.
@@ -213,6 +197,11 @@ impl PreparedShape {
         file: &ShapeFile,
     ) -> Result<EditSummary, ApiError> {
         document.check(self.bands.n_levels())?;
+        if self.bands.decomposer.points().is_none() && document.changes_positions() {
+            return Err(ApiError::bad_request(
+                "a graph without positions is edited by its fields alone; remove the layers, clones, poses and turned parts",
+            ));
+        }
         if !document.turned.is_empty() {
             self.turned_faces(&document.turned, file)?;
         }
@@ -259,6 +248,12 @@ impl PreparedShape {
     /// Computes the positions after the layers of the editor, then applies the constraints, clones and pose of
     /// `document`.
     fn edited_points(&self, document: &Document, file: &ShapeFile) -> Result<EditedPoints, ApiError> {
+        if self.bands.decomposer.points().is_none() {
+            // The places of the picture stay.
+            let points = Arc::clone(&self.points);
+            let summary = EditSummary { revision: document.revision, greatest: 0.0, rms: 0.0, volume: None };
+            return Ok(EditedPoints { unposed: Arc::clone(&points), points, summary });
+        }
         let before = file.points();
         let edited = self.bands.editor.edited().as_chunks().0.to_vec();
         let points = constrain_positions(

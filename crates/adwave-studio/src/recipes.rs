@@ -3,7 +3,6 @@
 use crate::document::{Document, layers_of_recipe};
 use crate::field_bands::{FIELD_FIT, editable_field};
 use crate::fields::list_fields;
-use crate::prepared_shape::PreparedShape;
 use crate::response::{ApiError, ApiResult, bytes_response, json_response};
 use crate::session::{Session, name_of_values};
 use adwave::bands::DEFAULT_EXTENT;
@@ -42,9 +41,9 @@ pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
         "coords" => None,
         _ => Some(field_of_recipe(session, &recipe)?),
     };
-    let walk = session.walk_decomposer()?;
     let levels = levels_of_recipe(session, &recipe, field.as_deref())?;
-    let mut next = PreparedShape::new(&session.shape, walk, levels, session.progress())?;
+    let walk = session.walk_decomposer()?;
+    let mut next = session.prepare(walk, levels, session.progress())?;
     if recipe.operator.is_some_and(|kind| kind != next.bands.decomposer.operator_kind()) {
         let message = "the studio uses the surface operator for levels given by width, and the walk operator otherwise; \
                        apply this recipe with `adwave filter --recipe`";

@@ -7,11 +7,12 @@ use crate::server::Studio;
 use crate::session::Session;
 use adwave::features::feature_extent;
 use adwave::{LevelSpec, ResolvedLevels};
-use adwave_io::{ShapeFile, file_normals};
+use adwave_io::{DEGREE, ShapeFile, file_normals};
 use adwave_report::shape_report::{COORDS, Subject, Viewpoint, shape_report};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde_json::json;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -58,13 +59,17 @@ impl Reports {
 /// Builds the report of an edited shape and responds with its path.
 pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile) -> ApiResult {
     let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-    let points = shape.points().unwrap_or_default();
+    // A graph without positions is described by the default signal of the command.
+    let (signal, n_channels, values) = match (shape.points(), file.field(DEGREE)) {
+        (None, Some(degree)) => (DEGREE, 1, Cow::Owned(degree.to_f64())),
+        (points, _) => (COORDS, 3, Cow::Borrowed(points.unwrap_or_default().as_flattened())),
+    };
     let progress = session.progress();
     let decomposer = build_decomposer(&shape, analysis_operator(&shape), progress)?;
     let levels = LevelSpec::Default.resolve(&decomposer, feature_extent(&decomposer));
     let ResolvedLevels { schedule, reason: levels_reason } =
         levels.map_err(|e| ApiError::from_classified(&e))?;
-    let bands = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
+    let bands = decomposer.request(&values, n_channels, &schedule).progress(progress).bands();
     let bands = bands.map_err(|e| ApiError::from_classified(&e))?;
     let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
     let normals = file_normals(file);
@@ -76,8 +81,8 @@ pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile)
         shape: &shape,
         grid: None,
         decomposer: &decomposer,
-        signal: COORDS,
-        values: points.as_flattened(),
+        signal,
+        values: &values,
         normals: normals.as_deref(),
         bands: &bands,
         levels_reason: &levels_reason,

@@ -42,6 +42,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/", get(describe_shape).merge(delete(close_shape)))
         .route("/positions", get(send_positions))
         .route("/triangles", get(send_triangles))
+        .route("/edges", get(send_edges))
         .route("/surface", get(send_surface))
         .route("/parts", get(send_parts))
         .route("/levels", put(set_levels))
@@ -164,6 +165,19 @@ async fn send_triangles(State(studio): StudioState, Path(id): Path<u64>) -> Resp
     .await
 }
 
+/// Sends the edges of a graph or a curve, `u32 × 2` each.
+async fn send_edges(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    run_inline(studio, id, |session| {
+        let edges = session.edges();
+        Ok(bytes_response(encode_rows(edges.len(), 8, |e, row| {
+            for (bytes, node) in row.chunks_exact_mut(4).zip(edges[e]) {
+                bytes.copy_from_slice(&node.to_le_bytes());
+            }
+        })))
+    })
+    .await
+}
+
 /// Sends the input for distances along the surface: positions in double precision, and the index of the welded point of
 /// each vertex.
 async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Response {
@@ -203,10 +217,8 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
         let request: LevelsRequest = parse_body(&body, "choice of bands")?;
         Ok(match opened {
             Opened::Shape(session) => {
-                let (shape, walk) = (&session.shape, session.walk_decomposer()?);
-                Levels::Shape(Box::new(PreparedShape::with_requested_levels(
-                    shape, walk, &request, progress,
-                )?))
+                let walk = session.walk_decomposer()?;
+                Levels::Shape(Box::new(session.prepare(walk, request.to_levels(walk)?, progress)?))
             }
             Opened::Grid(session) => Levels::Grid(Box::new(session.bands_of_request(&request, progress)?)),
         })
@@ -336,6 +348,10 @@ async fn follow_pose(
     with_shape(studio, id, move |session| {
         let by: ReshapedBy = parse_body(&body, "pose")?;
         by.check()?;
+        if session.shape.points().is_none() {
+            let message = "a graph without positions has no pose; edit its fields";
+            return Err(ApiError::bad_request(message));
+        }
         let is_drag = query.get("follow").is_some_and(|follow| follow == "step");
         let follow = if is_drag { Follow::Step } else { Follow::Rest };
         let drawn = session.drawn_vertices();
@@ -489,7 +505,7 @@ async fn download_file(
 async fn send_plane(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
     with_opened(studio, id, move |opened| {
         let session = opened.clone().into_grid()?;
-        let plane = PlaneRequest::parse(&query, session.layout())?;
+        let plane = PlaneRequest::parse(&query, session.layout(), session.n_frames())?;
         Ok(bytes_response(session.lock_bands()?.encode_plane(&plane, session.layout())?))
     })
     .await

@@ -2,16 +2,19 @@
 
 use crate::StudioError;
 use crate::autosave::Autosave;
+use crate::band_edit::default_levels;
 use crate::field_bands::is_editable;
 use crate::fields::{FieldInfo, list_fields};
-use crate::prepared_shape::{PreparedShape, build_decomposer};
+use crate::graph_layout::{GraphLayout, graph_layout};
+use crate::prepared_shape::{PreparedShape, PreparedSource, build_decomposer};
 use crate::response::ApiError;
 use crate::workspace::{OpenedAt, Workspace};
 use adwave::operator::OperatorKind;
-use adwave::shape::{Shape, bounding_box, triangulate};
-use adwave::{Decomposer, Progress};
+use adwave::shape::{Graph, Shape, bounding_box, diagonal, triangulate};
+use adwave::{Decomposer, LevelSpec, Progress};
 use adwave_io::{
-    Field, FieldValues, Format, MovedNormals, ShapeFile, SignalSource, named_signal, write_bytes,
+    DEGREE, Edges, Field, FieldValues, Format, MovedNormals, ShapeFile, ShapeKind, SignalSource,
+    named_signal, write_bytes,
 };
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -20,6 +23,13 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// Largest number of vertices; with eight bands a browser needs about 100 bytes per vertex.
 const MAX_VERTICES: usize = 12_000_000;
+/// Largest number of edges of a graph or a curve; the page draws all of them.
+const MAX_EDGES: usize = 1 << 24;
+/// Smallest size of a graph without positions, in edges, of which the page takes shares as the radius of its brush.
+const LEAST_ACROSS: usize = 40;
+/// Size by which the nodes of a graph and of a curve are drawn, relative to the mean length of its edges.
+const NODE: f64 = 0.6;
+const CURVE_NODE: f64 = 0.35;
 
 /// Shape to open in the studio.
 #[derive(Clone, Debug)]
@@ -43,6 +53,8 @@ pub(crate) struct Session {
     file: RwLock<Arc<ShapeFile>>,
     /// Names of the fields that cannot be edited; `None` until they are needed.
     uneditable: Mutex<Option<Arc<HashSet<String>>>>,
+    /// Places of the nodes of a graph without positions.
+    layout: Option<GraphLayout>,
     pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
     walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
@@ -53,13 +65,15 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(input: StudioInput, at: OpenedAt) -> Result<Self, StudioError> {
-        let Some(points) = input.shape.points().filter(|_| !input.shape.is_graph()) else {
-            return Err(StudioError::NoPositions(input.name));
-        };
-        if points.len() > MAX_VERTICES {
-            let (name, n) = (input.name, points.len());
-            return Err(StudioError::TooLarge { name, n, max: MAX_VERTICES });
+        let n = input.shape.n_vertices();
+        if n > MAX_VERTICES {
+            return Err(StudioError::TooLarge { name: input.name, n, max: MAX_VERTICES });
         }
+        let layout = match &input.shape {
+            Shape::Graph(graph) => layout_of(graph, &input.name, &at)?,
+            _ => None,
+        };
+        let points = points_of(&input.shape, layout.as_ref());
         let center = bounding_box(points)
             .map_or([0.0; 3], |(low, high)| std::array::from_fn(|c| 0.5 * low[c] + 0.5 * high[c]));
         let triangles = match &input.shape {
@@ -75,11 +89,15 @@ impl Session {
                 let _ = add_values(&mut file, &shape, &stored);
             }
         }
+        if shape.is_graph() && shape.as_curve().is_none() {
+            add_degree(&mut file, &shape)?;
+        }
         Ok(Self {
             workspace: Workspace::new(at, name, path, autosave),
             shape,
             file: RwLock::new(Arc::new(file)),
             uneditable: Mutex::default(),
+            layout,
             center,
             triangles,
             walk_decomposer: OnceLock::new(),
@@ -114,11 +132,10 @@ impl Session {
     pub(crate) fn lock_prepared(&self) -> Result<MutexGuard<'_, PreparedShape>, ApiError> {
         let walk = self.walk_decomposer()?;
         let result = self.prepared.get_or_init(|| {
-            let (shape, progress) = (&self.shape, self.progress());
-            let unedited = || PreparedShape::with_default_levels(shape, walk, progress);
+            let unedited = || self.prepare(walk, default_levels(walk), self.progress());
             let stored = self.workspace.autosave.as_ref().and_then(Autosave::read);
             let resumed = stored.and_then(|(levels, document)| {
-                let mut prepared = PreparedShape::new(shape, walk, levels, progress).ok()?;
+                let mut prepared = self.prepare(walk, levels, self.progress()).ok()?;
                 prepared.apply_edit(document, &self.file()).ok()?;
                 Some(prepared)
             });
@@ -167,8 +184,27 @@ impl Session {
         Ok(names)
     }
 
+    /// Positions of the vertices, or the places of the nodes of a graph without positions.
     pub(crate) fn points(&self) -> &[[f64; 3]] {
-        self.shape.points().unwrap_or_default()
+        points_of(&self.shape, self.layout.as_ref())
+    }
+
+    /// Computes the bands of `levels`; the edit is empty.
+    pub(crate) fn prepare(
+        &self,
+        walk: &Decomposer,
+        levels: LevelSpec,
+        progress: Progress<'_>,
+    ) -> Result<PreparedShape, StudioError> {
+        let source = PreparedSource { shape: &self.shape, points: self.points(), walk };
+        PreparedShape::new(&source, levels, progress)
+    }
+
+    /// Edges of a graph or a curve, each once; other shapes have none.
+    pub(crate) fn edges(&self) -> Vec<[u32; 2]> {
+        let Shape::Graph(graph) = &self.shape else { return Vec::new() };
+        let rows = (0..graph.n_nodes()).map(|u| (u as u32, graph.adjacency().row(u)));
+        rows.flat_map(|(u, row)| row.iter().filter(move |&&v| v > u).map(move |&v| [u, v])).collect()
     }
 
     /// Stores the edit for the next session.
@@ -184,8 +220,10 @@ impl Session {
             let is_turned = prepared.turned_faces(turned, &file)?;
             file.turn_faces(&is_turned).map_err(|e| ApiError::from_classified(&e))?;
         }
-        file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
-            .map_err(|e| ApiError::from_classified(&e))?;
+        if self.layout.is_none() {
+            file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
+                .map_err(|e| ApiError::from_classified(&e))?;
+        }
         Ok(file)
     }
 
@@ -193,7 +231,29 @@ impl Session {
     pub(crate) fn saved_file(&self, prepared: &mut PreparedShape) -> Result<ShapeFile, ApiError> {
         let mut file = self.edited_file(prepared)?;
         prepared.replace_edited_fields(&mut file, self.progress())?;
+        if self.shape.is_graph()
+            && !prepared.bands.document.changed_fields().iter().any(|name| name == DEGREE)
+        {
+            file.drop_added_fields(|name| name == DEGREE);
+        }
         Ok(file)
+    }
+
+    /// Describes a graph or a curve, and the size of its picture; `None` for other shapes.
+    fn describe_graph(&self) -> Option<(Value, f64)> {
+        let graph = self.shape.as_graph()?;
+        let points = self.points();
+        let n_edges = graph.adjacency().nnz() / 2;
+        let rows = points.iter().enumerate().map(|(u, point)| (point, graph.adjacency().row(u)));
+        let lengths =
+            rows.flat_map(|(point, row)| row.iter().map(|&v| diagonal(&[*point, points[v as usize]])));
+        let mean = lengths.sum::<f64>() / (2 * n_edges).max(1) as f64;
+        let room = diagonal(points) / (3.0 * (points.len() as f64).sqrt());
+        let size = if graph.is_curve() { CURVE_NODE } else { NODE };
+        let spacing = if mean > 0.0 { room.min(size * mean) } else { room };
+        let is_flat = points.iter().all(|point| point[2] == points[0][2]);
+        let described = json!({"n_edges": n_edges, "flat": is_flat, "placed": self.layout.is_some()});
+        Some((described, spacing))
     }
 
     /// Describes the shape for the page.
@@ -206,7 +266,14 @@ impl Session {
             .map(|part| json!({"vertex": part.first_vertex, "n_faces": part.n_faces, "volume": part.volume}))
             .collect();
         let (workspace, bands) = (&self.workspace, &prepared.bands);
-        let kind = if self.triangles.is_empty() { "cloud" } else { "mesh" };
+        let kind = match &self.shape {
+            Shape::Graph(graph) if graph.is_curve() => "curve",
+            Shape::Graph(_) => "graph",
+            _ if self.triangles.is_empty() => "cloud",
+            _ => "mesh",
+        };
+        let (graph, spacing) = self.describe_graph().unzip();
+        let across = self.layout.as_ref().map(|layout| layout.n_across.max(LEAST_ACROSS) as f64);
         Ok(json!({
             "id": workspace.id,
             "name": workspace.name,
@@ -216,8 +283,9 @@ impl Session {
             "n_vertices": self.shape.n_vertices(),
             "n_triangles": self.triangles.len(),
             "center": self.center,
-            "diagonal": bands.decomposer.extent(),
-            "mean_length": bands.decomposer.mean_length(),
+            "graph": graph,
+            "diagonal": across.unwrap_or_else(|| bands.decomposer.extent()),
+            "mean_length": spacing.unwrap_or_else(|| bands.decomposer.mean_length()),
             "closed": health.is_closed(),
             "volume": health.volume,
             "components": health.n_components,
@@ -233,15 +301,57 @@ impl Session {
 
     /// Lists the names of formats that can store this shape.
     fn writable_formats(&self) -> Vec<&'static str> {
-        let probe = if self.triangles.is_empty() {
-            ShapeFile::from_cloud(vec![[0.0; 3]])
-        } else {
-            let faces = adwave::shape::Polygons::from_triangles(&[[0, 1, 2]]);
-            ShapeFile::from_mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces)
+        let file = self.file();
+        let probe = match file.kind() {
+            ShapeKind::Graph => {
+                let Edges { weights, direction, .. } = file.edges();
+                let weights = weights.iter().take(1).map(|_| 1.0).collect();
+                let edges = Edges { pairs: vec![[0, 1]], weights, direction: *direction };
+                match self.layout {
+                    Some(_) => ShapeFile::from_graph(2, edges),
+                    None => ShapeFile::from_curve(vec![[0.0; 3], [1.0, 0.0, 0.0]], edges),
+                }
+            }
+            ShapeKind::Mesh => {
+                let faces = adwave::shape::Polygons::from_triangles(&[[0, 1, 2]]);
+                ShapeFile::from_mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], faces)
+            }
+            _ => ShapeFile::from_cloud(vec![[0.0; 3]]),
         };
         let can_store = |format: &Format| write_bytes(&probe, *format, &mut std::io::sink()).is_ok();
         Format::all().filter(can_store).map(Format::name).collect()
     }
+}
+
+/// Positions of a shape, or the places of the nodes of a graph without positions.
+fn points_of<'a>(shape: &'a Shape, layout: Option<&'a GraphLayout>) -> &'a [[f64; 3]] {
+    shape.points().or(layout.map(|layout| layout.places.as_slice())).unwrap_or_default()
+}
+
+/// Places the nodes of a graph without positions.
+fn layout_of(graph: &Graph, name: &str, at: &OpenedAt) -> Result<Option<GraphLayout>, StudioError> {
+    let n = graph.adjacency().nnz() / 2;
+    if n > MAX_EDGES {
+        let problem =
+            format!("the studio draws up to {MAX_EDGES} edges, got {n}; filter it with `adwave filter`");
+        return Err(StudioError::Unsuitable { name: name.to_owned(), problem });
+    }
+    if graph.positions().is_some() {
+        return Ok(None);
+    }
+    let layout = graph_layout(graph, Progress::none().with_cancel(&at.stop));
+    layout.map(Some).map_err(|e| StudioError::from_classified(&e))
+}
+
+/// Adds the degree of the nodes, the default signal of a graph, as a field unless the file has one of that name.
+fn add_degree(file: &mut ShapeFile, shape: &Shape) -> Result<(), StudioError> {
+    if file.field(DEGREE).is_some() {
+        return Ok(());
+    }
+    let source = SignalSource { file, shape, name: "the graph" };
+    let degree = named_signal(source, DEGREE, None).map_err(|e| StudioError::from_classified(&e))?;
+    let added = file.add_vertex_field(Field::new(DEGREE, 1, FieldValues::F64(degree.values.to_vec())));
+    added.map_err(|e| StudioError::from_classified(&e))
 }
 
 /// Largest number of values per vertex that a file may add in any case.

@@ -1,4 +1,4 @@
-//! `adwave studio`: an equalizer for a shape, an image or a volume in a browser.
+//! `adwave studio`: an equalizer for a shape, a graph, an image or a volume in a browser.
 
 use crate::args::{SelectionArgs, count, file_name, number, parse_named, to_path};
 use crate::error::CliError;
@@ -21,6 +21,7 @@ the surface, layer by layer. Every change can be undone, and the edit is restore
 double precision and are bit-identical to the result of 'adwave filter --recipe'.
 
 An image is shown flat, a terrain with shading, and a volume in three slices that are linked by a cross; sliders change the values.
+A graph is shown by its nodes and edges, in the plane if it has no positions; sliders change the field that colors it.
 
 The server listens on this machine only and answers only requests with the token of the address that it prints. Ctrl-C ends it.
 
@@ -28,10 +29,11 @@ Examples:
   adwave studio bunny.obj
   adwave studio sample:creature --vertices 50000
   adwave studio dem.tif
+  adwave studio network.mtx                        a graph; drop a file of values on the page
   adwave studio volume.nii.gz --only values=5..    without the places below 5
   adwave studio scan.ply --no-open --port 8080     elsewhere, with ssh -L 8080:127.0.0.1:8080")]
 pub(crate) struct StudioArgs {
-    /// Shape, image or volume: a file, '-' for the standard input, or sample:NAME
+    /// Shape, graph, image or volume: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE", value_parser = file_name())]
     shape: String,
     #[command(flatten)]

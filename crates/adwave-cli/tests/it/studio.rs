@@ -18,12 +18,6 @@ fn what_cannot_be_opened_is_refused_in_one_line() {
     let refused = |line: &str| refused(folder.path(), line);
     assert!(refused("studio no-such-file.obj").contains("no-such-file.obj"));
     assert!(refused("studio sample:creature --host 0.0.0.0").contains("--i-know"));
-    let graph = "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n";
-    std::fs::write(folder.path().join("graph.mtx"), graph).unwrap();
-    assert!(
-        refused("studio graph.mtx --no-open")
-            .contains("shows surfaces and points, images and volumes, and no graphs or curves")
-    );
     std::fs::write(folder.path().join("empty.obj"), "").unwrap();
     assert!(refused("studio empty.obj --no-open").contains("empty.obj"));
 }
@@ -119,7 +113,10 @@ fn a_saved_image_or_volume_has_the_bytes_of_the_command() {
     };
     run("sample hills --vertices 3000 -o hills.tif");
     run("sample head --vertices 6000 -o head.nii.gz");
-    for (name, selection) in [("hills.tif", ""), ("head.nii.gz", ""), ("head.nii.gz", "--only=values=5..")] {
+    run("sample bold --vertices 1500 -o bold.nii.gz");
+    let only = "--only=values=5..";
+    let opened = [("hills.tif", ""), ("head.nii.gz", ""), ("head.nii.gz", only), ("bold.nii.gz", "")];
+    for (name, selection) in opened {
         let mut words = vec![name];
         words.extend((!selection.is_empty()).then_some(selection));
         let studio = ServedStudio::on(folder.path(), &words);
@@ -143,12 +140,13 @@ fn a_saved_image_or_volume_has_the_bytes_of_the_command() {
 }
 
 #[test]
-fn series_are_refused_in_one_line_with_what_to_do() {
+fn a_series_whose_gaps_differ_is_refused_in_one_line_with_what_to_do() {
     let folder = TempDir::new().unwrap();
     let mut series = ShapeFile::from_grid(GridLayout::new(&[3, 4, 5], &[1.0; 3])).unwrap();
-    let values = FieldValues::F32((0..240).map(|k| (k % 7) as f32).collect());
+    let value = |k: usize| if k == 9 { f32::NAN } else { (k % 7) as f32 };
+    let values = FieldValues::F32((0..240).map(value).collect());
     series.add_vertex_field(Field::new(GRID_VALUES, 4, values)).unwrap();
     write_path(&series, &folder.path().join("bold.nii.gz"), None).unwrap();
     let text = refused(folder.path(), "studio bold.nii.gz --no-open");
-    assert!(text.contains("one value per voxel, got 4") && text.contains("adwave filter"), "{text}");
+    assert!(text.contains("series whose frames") && text.contains("adwave filter"), "{text}");
 }

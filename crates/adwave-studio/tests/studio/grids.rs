@@ -231,21 +231,98 @@ fn pictures_keep_their_whole_numbers_unless_fractions_are_asked_for() {
 }
 
 #[test]
-fn series_and_sequences_are_refused_with_what_to_do() {
+fn a_series_sends_one_frame_and_an_edit_changes_all() {
+    const N_FRAMES: usize = 7;
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("bold.nii.gz");
+    // The brightest frame is the last one.
+    let value = |k: usize| rough(k) + (k % N_FRAMES) as f32;
+    let mut file = ShapeFile::from_grid(GridLayout::new(&SIZES, &[3.0, 2.0, 1.5])).unwrap();
+    let values = FieldValues::F32((0..file.n_vertices() * N_FRAMES).map(value).collect());
+    file.add_vertex_field(Field::new(GRID_VALUES, N_FRAMES, values).with_frame_step(Some(1.5))).unwrap();
+    write_path(&file, &path, None).unwrap();
+
+    let studio = Studio::of(opened(&path), folder.path());
+    let info = studio.get("/api/shapes/1").json();
+    assert_eq!((&info["kind"], &info["grid"]["n_channels"]), (&json!("volume"), &json!(1)));
+    assert_eq!(info["grid"]["frames"], json!({"n": N_FRAMES, "step": 1.5}));
+    let n_values = SIZES.iter().product::<usize>() * N_FRAMES;
+    let greatest = (0..n_values).map(value).fold(0.0, f32::max);
+    assert_eq!(info["grid"]["range"]["greatest"].as_f64(), Some(f64::from(greatest)));
+
+    let n_levels = info["levels"].as_array().unwrap().len();
+    let n = SIZES[0] * SIZES[2];
+    let index = |k: usize, frame: usize| {
+        N_FRAMES * ((k / SIZES[2]) * SIZES[1] * SIZES[2] + 5 * SIZES[2] + k % SIZES[2]) + frame
+    };
+    let plane = |query: &str| studio.get(&format!("/api/shapes/1/plane?axes=0,2&index=5{query}")).floats();
+    let sent = plane("&frame=3");
+    assert_eq!(sent.len(), n * (1 + n_levels));
+    assert!((0..n).all(|k| sent[k] == value(index(k, 3))));
+    assert!(plane("").iter().zip(plane("&frame=0")).all(|(a, b)| *a == b));
+    let beyond = studio.ask("GET", "/api/shapes/1/plane?frame=7", b"");
+    assert!(beyond.status == 400 && beyond.error().contains("below 7, got 7"), "{}", beyond.text());
+
+    let gains = gains(n_levels);
+    studio.put("/api/shapes/1/edit", &edit(1, &[layer(&gains, &Value::Null)]));
+    let edited = replayed(&path, &studio.get("/api/shapes/1/recipe").text());
+    let off = |k: usize| {
+        let sum = |j: usize| (gains[j] - 1.0) * f64::from(sent[(1 + j) * n + k]);
+        (f64::from(sent[k]) + (0..n_levels).map(sum).sum::<f64>() - edited[index(k, 3)]).abs()
+    };
+    assert!((0..n).map(off).fold(0.0, f64::max) < 1e-4);
+    let saved = studio.post("/api/shapes/1/save", &json!({})).json();
+    let stored = read_path(Path::new(saved["path"].as_str().unwrap()), &ReadLimits::default()).unwrap();
+    let stored = stored.field(GRID_VALUES).unwrap();
+    assert_eq!((stored.n_channels, stored.frame_step), (N_FRAMES, Some(1.5)));
+    let stored = stored.to_f64();
+    assert_eq!(stored.len(), edited.len());
+    assert!(stored.iter().zip(&edited).all(|(a, b)| *a == f64::from(*b as f32)));
+}
+
+#[test]
+fn an_image_of_many_channels_is_a_series() {
+    let folder = TempDir::new().unwrap();
+    let opened_image = |name: &str, n_channels: usize| {
+        let path = folder.path().join(name);
+        write_path(&grid(GridLayout::new(&[16, 24], &[1.0; 2]), n_channels, rough), &path, None).unwrap();
+        Studio::of(opened(&path), folder.path())
+    };
+    let studio = opened_image("stack.tif", 6);
+    let info = studio.get("/api/shapes/1").json();
+    assert_eq!((&info["kind"], &info["grid"]["n_channels"]), (&json!("image"), &json!(1)));
+    assert_eq!(info["grid"]["frames"], json!({"n": 6, "step": null}));
+    let plane = studio.get("/api/shapes/1/plane?frame=5").floats();
+    assert!((0..16 * 24).all(|k| plane[k] == rough(6 * k + 5)));
+    studio.end();
+    let studio = opened_image("photo.tif", 3);
+    let info = studio.get("/api/shapes/1").json();
+    assert_eq!((&info["grid"]["n_channels"], &info["grid"]["frames"]), (&json!(3), &Value::Null));
+    let refused = studio.ask("GET", "/api/shapes/1/plane?frame=1", b"");
+    assert!(
+        refused.status == 400 && refused.error().contains("'frame' must be left out"),
+        "{}",
+        refused.text()
+    );
+}
+
+#[test]
+fn sequences_and_gaps_that_differ_are_refused_with_what_to_do() {
     let folder = TempDir::new().unwrap();
     let refused = |name: &str, file: &ShapeFile| {
         let path = folder.path().join(name);
         write_path(file, &path, None).unwrap();
         let params = adwave_studio::StudioParams::default();
         let served = adwave_studio::serve(opened(&path), &params, adwave::Progress::none(), |_| {
-            panic!("a series is served")
+            panic!("{name} is served")
         });
         served.unwrap_err().to_string()
     };
-    let series = refused("f.nii", &grid(GridLayout::new(&[4, 5, 6], &[1.0; 3]), 7, rough));
-    assert!(series.contains("one value per voxel, got 7") && series.contains("adwave filter"), "{series}");
+    let gap = |k: usize| if k == 12 { f32::NAN } else { rough(k) };
+    let series = refused("f.nii", &grid(GridLayout::new(&[4, 5, 6], &[1.0; 3]), 7, gap));
+    assert!(series.contains("series whose frames") && series.contains("adwave filter"), "{series}");
+    let colors = refused("f.tif", &grid(GridLayout::new(&[6, 7], &[1.0; 2]), 3, gap));
+    assert!(colors.contains("images whose channels"), "{colors}");
     let sequence = refused("f.nii", &grid(GridLayout::new(&[40], &[1.0]), 1, rough));
     assert!(sequence.contains("a sequence of values"), "{sequence}");
-    let many = refused("f.tif", &grid(GridLayout::new(&[6, 7], &[1.0; 2]), 5, rough));
-    assert!(many.contains("up to 4 channels, got 5"), "{many}");
 }

@@ -2,6 +2,7 @@
 
 mod client;
 mod field_edits;
+mod graphs;
 mod grids;
 mod guard;
 mod pose;

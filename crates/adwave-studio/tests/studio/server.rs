@@ -349,18 +349,9 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
     assert_eq!((refused.status, &refused.json()["exists"]), (409, &json!(true)));
     assert_eq!(std::fs::read(&there).unwrap(), b"mine");
     assert_eq!(studio.post("/api/shapes/1/save", &json!({"name": "there.ply", "replace": true})).status, 200);
-    for (name, body, said) in [
-        ("a.obj", &b""[..], "a.obj"),
-        (
-            "graph.mtx",
-            b"%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n",
-            "no graphs or curves",
-        ),
-    ] {
-        let refused = studio.ask("POST", &format!("/api/shapes?name={name}"), body);
-        assert_eq!(refused.status, 400, "{name}");
-        assert!(refused.error().contains(said), "{}", refused.error());
-    }
+    let refused = studio.ask("POST", "/api/shapes?name=a.obj", b"");
+    assert_eq!(refused.status, 400);
+    assert!(refused.error().contains("a.obj"), "{}", refused.error());
     let shape = opened(&path);
     assert!(matches!(shape.shape, Shape::Mesh(_)));
 }

@@ -352,3 +352,126 @@ test.describe('a volume', () => {
     await phone.context().close();
   });
 });
+
+test.describe('a series of volumes', () => {
+  let studio: OpenStudio;
+  let page: Page;
+  let folder: string;
+  const slider = () => page.getByRole('slider', { name: 'Frame', exact: true });
+  const label = () => page.locator('.grid-panes .frame-bar output');
+  const facts = () => page.locator('#grid .facts').first();
+
+  test.beforeAll(async ({ browser }) => {
+    folder = folderFor('series');
+    execFileSync(ADWAVE, ['sample', 'bold', '--quiet', '-o', join(folder, 'bold.nii.gz')]);
+    studio = await openStudio(browser, 'series', join(folder, 'bold.nii.gz'));
+    ({ page } = studio);
+    await waitForBands(page, 3);
+  });
+  test.afterAll(() => studio.end());
+
+  test('shows one frame in three slices, and the slider chooses it', async () => {
+    await expect(page.locator('.grid-panes figcaption')).toHaveText(['Axial', 'Coronal', 'Sagittal']);
+    await expect(label()).toHaveText('1 of 90, 0 s');
+    const first = await planes(page);
+    const [xy, xz, yz] = first.map((plane) => plane.length) as [number, number, number];
+    // Sizes of three slices of one volume.
+    expect(Number.isInteger(Math.sqrt((xy * xz) / yz)), `${xy}, ${xz}, ${yz}`).toBe(true);
+    await slider().fill('5');
+    await expect(label()).toHaveText('6 of 90, 10 s');
+    const sixth = await planes(page);
+    for (const [k, plane] of sixth.entries()) expect(rms(plane, first[k]!)).toBeGreaterThan(0);
+    await expect(facts()).toContainText('6 of 90, 10 s');
+    await expect(page.locator('#grid .facts').last()).toContainText('90, one every 2 s');
+    await page.screenshot({ path: join(OUT, '67-series.png') });
+    expect(await findings(page)).toEqual([]);
+    await page.locator('.pane canvas').first().focus();
+    await page.keyboard.press('.');
+    await expect(label()).toHaveText('7 of 90, 12 s');
+    for (let k = 0; k < 6; k++) await page.keyboard.press(',');
+    await expect(label()).toHaveText('1 of 90, 0 s');
+    // Frames that were passed quickly may still be shown for a moment.
+    await expect.poll(() => planes(page)).toEqual(first);
+  });
+
+  test('gains act on all frames', async () => {
+    const read = async () => {
+      const list: number[][] = [];
+      for (const frame of ['0', '5']) {
+        await slider().fill(frame);
+        list.push((await planes(page))[0]!);
+      }
+      return list;
+    };
+    const before = await read();
+    await setSlider(page, 0, 0);
+    const after = await read();
+    for (const [k, plane] of after.entries()) expect(rms(plane, before[k]!)).toBeGreaterThan(0.1);
+    expect(after[0]).not.toEqual(after[1]);
+  });
+
+  test('plays with one request for each pane at a time, and no pane is ever empty', async () => {
+    const { mostRequests, nEmpty, nFrames } = await page.evaluate(async () => {
+      const plainFetch = window.fetch;
+      const loading = new Map<string, number>();
+      let mostRequests = 0;
+      window.fetch = async (...request) => {
+        const axes = /plane\?axes=(\d,\d)/.exec(String(request[0]))?.[1] ?? '';
+        const count = (by: number) => loading.set(axes, (loading.get(axes) ?? 0) + by);
+        count(1);
+        if (axes) mostRequests = Math.max(mostRequests, loading.get(axes)!);
+        const response = await plainFetch(...request);
+        const read = response.arrayBuffer.bind(response);
+        response.arrayBuffer = () => read().finally(() => count(-1));
+        return response;
+      };
+      const button = document.querySelector<HTMLButtonElement>('.grid-panes .frame-bar button')!;
+      const output = document.querySelector('.grid-panes .frame-bar output')!;
+      const canvases = [...document.querySelectorAll<HTMLCanvasElement>('.pane canvas')];
+      const isEmpty = (canvas: HTMLCanvasElement) =>
+        canvas.getContext('2d')!.getImageData(canvas.width >> 1, canvas.height >> 1, 1, 1).data[3] === 0;
+      const shown = new Set<string>();
+      let nEmpty = 0;
+      button.click();
+      const end = performance.now() + 2000;
+      while (performance.now() < end) {
+        await new Promise(requestAnimationFrame);
+        nEmpty += canvases.filter(isEmpty).length;
+        shown.add(output.textContent!);
+      }
+      button.click();
+      window.fetch = plainFetch;
+      return { mostRequests, nEmpty, nFrames: shown.size };
+    });
+    expect(mostRequests).toBe(1);
+    expect(nEmpty).toBe(0);
+    expect(nFrames).toBeGreaterThan(3);
+    await expect(page.getByRole('button', { name: 'Play the frames' })).toBeVisible();
+    const still = await label().textContent();
+    await page.waitForTimeout(300);
+    expect(await label().textContent()).toBe(still);
+  });
+
+  test('the frame is there again after a reload', async () => {
+    await slider().fill('33');
+    const before = await planes(page);
+    await waitUntilSaved(page);
+    await page.reload();
+    await waitUntilReady(page);
+    await expect(label()).toHaveText('34 of 90, 66 s');
+    expect(await planes(page)).toEqual(before);
+  });
+
+  test('a shape that opens beside it has no slider over frames', async () => {
+    await dropFile(page, 'creature.ply', readFileSync(creature(5000)));
+    await expect(page.locator('canvas.picture')).toBeVisible();
+    await expect(slider()).toBeHidden();
+    await page.getByRole('button', { name: 'bold.nii.gz', exact: true }).click();
+    await expect(label()).toHaveText('34 of 90, 66 s');
+    await expect(slider()).toBeVisible();
+  });
+
+  test('a saved series has the bytes that the command writes', async () => {
+    await expectSavedAsByCommand(page, folder, 'bold.nii.gz', 'bold-edited.nii.gz');
+  });
+});

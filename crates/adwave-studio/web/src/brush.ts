@@ -98,7 +98,7 @@ export function lastStamps(region: Region): number[] {
   return 'vertices' in inner ? inner.vertices.indices : [];
 }
 
-/** True for effects that copy the detail of a shape, which fields have not. */
+/** True for effects that copy the detail of a surface or a cloud, which fields and graphs have not. */
 function isOfShapes(effect: string): boolean {
   return effect === 'match' || effect === 'clone';
 }
@@ -152,16 +152,17 @@ export function brushPanel(studio: Studio): HTMLElement {
   const effectHint = h('p', { class: 'hint' });
   const startPick = () => (brush.effect === 'clone' ? studio.pickCloneSource() : studio.detail.startPick());
   const pick = h('button', { type: 'button', onclick: startPick }, text.pickDetail);
+  const lacksDetail = () => studio.target !== null || Boolean(studio.shape?.graph);
   studio.on('tool', () => {
     for (const b of effects) {
       b.setAttribute('aria-pressed', String(studio.isBrushOn && b.dataset['effect'] === brush.effect));
-      b.hidden = studio.target !== null && isOfShapes(b.dataset['effect']!);
+      b.hidden = lacksDetail() && isOfShapes(b.dataset['effect']!);
     }
     effectHint.textContent = studio.isBrushOn ? text.effectHints[brush.effect] : text.brushOff;
     pick.hidden = !studio.isBrushOn || (brush.effect !== 'match' && brush.effect !== 'clone');
   });
   studio.on('target', () => {
-    if (studio.target !== null && isOfShapes(brush.effect)) brush.effect = 'smooth';
+    if (lacksDetail() && isOfShapes(brush.effect)) brush.effect = 'smooth';
     studio.emit('tool');
   });
   const front = check(text.frontOnly, false, (on) => {

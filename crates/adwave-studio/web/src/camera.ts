@@ -16,6 +16,8 @@ const DIRECTIONS: Record<ViewName, [number, number, number]> = {
 };
 
 const FIELD_OF_VIEW = 30;
+/** Size of the picture of a flat shape, relative to the shape. */
+const FLAT_MARGIN = 1.25;
 /** Smallest distance from the pivot in mean lengths of an edge, at which a part of one fills the picture. */
 const CLOSEST = 0.5;
 
@@ -51,6 +53,8 @@ export class Camera {
   clip: ClipEquation | null = null;
   distance = 1;
   trackball = false;
+  /** Half the width and height of a shape that is flat and looked at from above, of which a turn moves the picture. */
+  flat: readonly [number, number] | null = null;
   /** Upright axis. */
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
@@ -130,10 +134,16 @@ export class Camera {
     const half = (FIELD_OF_VIEW * Math.PI) / 360;
     const narrow = Math.min(1, this.three.aspect);
     this.distance = this.wholeRadius / Math.sin(Math.atan(Math.tan(half) * narrow));
+    if (this.flat && !this.company) {
+      const [x, y] = this.flat;
+      const needed = Math.max(y, x / this.three.aspect) / Math.tan(half);
+      this.distance = Math.min(this.distance, FLAT_MARGIN * needed) || this.distance;
+    }
     this.update();
   }
 
   look(name: ViewName): void {
+    if (this.flat) return;
     const direction = new Vector3(...DIRECTIONS[name]);
     if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
     this.lookFrom(direction);
@@ -151,8 +161,8 @@ export class Camera {
 
   /** Resets to the start view: front, slightly from above and from the side. */
   start(): void {
-    const direction = new Vector3(0.45, 0.28, 1);
-    if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
+    const direction = this.flat ? new Vector3(0, 0, 1) : new Vector3(0.45, 0.28, 1);
+    if (this.up === 'z' && !this.flat) direction.set(direction.x, -direction.z, direction.y);
     this.lookFrom(direction);
     this.frame();
   }
@@ -193,6 +203,10 @@ export class Camera {
 
   /** Rotates by a pointer movement in pixels. */
   turn(dx: number, dy: number): void {
+    if (this.flat) {
+      this.pan(dx, dy);
+      return;
+    }
     const q = this.three.quaternion;
     const speed = Math.PI / Math.min(this.width, this.height);
     const pitch = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -dy * speed);
@@ -213,7 +227,7 @@ export class Camera {
   }
 
   roll(angle: number): void {
-    if (!this.trackball) return;
+    if (!this.trackball || this.flat) return;
     this.three.quaternion.multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), angle));
     this.update();
   }

@@ -351,11 +351,14 @@ export function coloring(studio: Studio): Coloring {
 
   /** Tells which field can be edited; one that is not shown any more is edited no longer. */
   function showEditable(name: string | null): void {
-    if (name !== studio.shownField) {
+    const isOther = name !== studio.shownField;
+    if (isOther) {
       studio.shownField = name;
       studio.emit('target');
     }
-    if (studio.target !== null && studio.target !== name) void studio.setTarget(name);
+    // A graph without positions has nothing else to edit.
+    const isEdited = studio.target !== null || (isOther && studio.shape?.graph?.placed);
+    if (isEdited && studio.target !== name) void studio.setTarget(name);
   }
 
   /** Values of a field after its edit; `null` if it has none. */
@@ -433,7 +436,7 @@ export function coloring(studio: Studio): Coloring {
     series = null;
     colorSelect.replaceChildren(
       h('option', { value: 'none' }, text.noColors),
-      h('option', { value: 'change' }, text.change),
+      shape.graph?.placed ? '' : h('option', { value: 'change' }, text.change),
       studio.beside.other ? h('option', { value: DEVIATION }, text.deviation(studio.beside.other.name)) : '',
       h(
         'optgroup',
@@ -443,7 +446,7 @@ export function coloring(studio: Studio): Coloring {
       h(
         'optgroup',
         { label: text.bandSizes },
-        ...shape.levels.map((l) =>
+        ...(shape.graph?.placed ? [] : shape.levels).map((l) =>
           h('option', { value: `band-${l.level}` }, text.band(l.level, formatNumber(l.sigma))),
         ),
       ),
@@ -481,7 +484,9 @@ export function coloring(studio: Studio): Coloring {
     show: (name) => {
       if (isListed(name)) void color(name);
     },
-    toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
+    toggleChange: () => {
+      if (isListed('change')) void color(colored === 'change' ? 'none' : 'change');
+    },
     valueAt: (v) => {
       if (!values) return '';
       const before =

@@ -235,10 +235,13 @@ function targetChoice(studio: Studio): HTMLElement {
     },
   );
   choice.classList.add('target');
+  const positions = choice.querySelector<HTMLButtonElement>('button:first-child')!;
   const field = choice.querySelector<HTMLButtonElement>('button:last-child')!;
   const show = () => {
     const { target, shownField, shape } = studio;
     choice.hidden = !shape?.fields.some((f) => f.editable);
+    // A graph without positions has fields alone.
+    positions.hidden = shape?.graph?.placed === true;
     choice.set(target === null ? 'positions' : 'field');
     field.textContent = target ?? shownField ?? text.fieldTarget;
     field.title = text.fieldTargetHint;
@@ -263,7 +266,8 @@ export function equalizer(studio: Studio): HTMLElement {
   const axis = h('span', {}, text.axis);
   studio.on('shape', () => {
     const grid = studio.shape?.grid;
-    axis.textContent = grid ? text.gridAxis(unitOf(grid)) : text.axis;
+    const isPlaced = studio.shape?.graph?.placed;
+    axis.textContent = grid ? text.gridAxis(unitOf(grid)) : isPlaced ? text.graphAxis : text.axis;
   });
   drawButton.addEventListener('click', () => {
     drawing = !drawing;

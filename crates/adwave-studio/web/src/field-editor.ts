@@ -25,23 +25,29 @@ export class FieldEditor {
 
   constructor(private readonly studio: Studio) {}
 
-  /** Loads the bands of a field for the present levels; returns false if they could not be loaded. */
+  /**
+   * Loads the bands of a field for the present levels; returns false if they could not be loaded. A load that a later one
+   * replaces leaves the answer to that one.
+   */
   async load(name: string): Promise<boolean> {
     const { studio } = this;
     const turn = ++this.turn;
     const isOld = () => turn !== this.turn;
     this.forget();
     const { id } = studio.shape!;
-    const all = await studio.wait(text.computingField(name), (signal) =>
-      studio.api.fieldBands(id, name, signal),
-    );
-    if (isOld() || !all) return false;
+    const asked = studio.wait(text.computingField(name), (signal) => studio.api.fieldBands(id, name, signal));
+    const all = await asked.catch((error: Error) => {
+      if (isOld()) return null;
+      throw error;
+    });
+    if (isOld()) return true;
+    if (!all) return false;
     this.before = all.slice(0, studio.shape!.n_vertices);
     this.hasGaps = this.before.some((x) => Number.isNaN(x));
     await studio.engine.call('field', { values: all }, [all.buffer]);
     if (isOld()) {
       if (studio.target === null) void studio.engine.call('field', { values: null });
-      return false;
+      return true;
     }
     this.loaded = name;
     studio.emit('band');

@@ -19,6 +19,22 @@ import { parseView } from './view-memory';
 const VALUES =
   /\.(npy|dmat|mgh|mgz|annot|label|thickness|curv|sulc|area|shape\.gii|func\.gii|label\.gii|d(scalar|tseries|label)\.nii)(\.gz)?$/i;
 
+/** Largest table, in bytes, that is looked through for its number of rows. */
+const MOST_OF_TABLE = 64 << 20;
+
+/**
+ * True for a table with a row for each vertex that is no list of points: its columns have other names than x and y, or the
+ * shape is a graph.
+ */
+async function isTableOfValues(file: File, { n_vertices, graph }: Shape): Promise<boolean> {
+  if (!/\.(csv|tsv|txt)$/i.test(file.name) || file.size > MOST_OF_TABLE) return false;
+  const rows = (await file.text()).split('\n').filter((row) => row.trim() !== '');
+  const names = (rows[0] ?? '').toLowerCase().split(/[\s,;]+/);
+  const hasNames = names.some((name) => name !== '' && Number.isNaN(Number(name)));
+  if (rows.length !== n_vertices + Number(hasNames)) return false;
+  return Boolean(graph) || (hasNames && !(names.includes('x') && names.includes('y')));
+}
+
 export class Files {
   readonly pictures: PaperPictures;
 
@@ -65,7 +81,8 @@ export class Files {
       return;
     }
     await this.reportErrors(async () => {
-      if (studio.shape && !studio.isGrid && VALUES.test(file.name)) {
+      const { shape } = studio;
+      if (shape && !shape.grid && (VALUES.test(file.name) || (await isTableOfValues(file, shape)))) {
         await this.addFields(file);
         return;
       }
@@ -339,24 +356,28 @@ export class Files {
           close();
           this.pictures.open();
         }),
-        ...(shape.grid ? [] : this.shapeDownloads(close)),
+        ...(shape.grid ? [] : this.shapeDownloads(shape, close)),
       ),
-      shape.grid ? null : h('p', { class: 'hint' }, text.pageNote),
+      shape.grid || shape.graph ? null : h('p', { class: 'hint' }, text.pageNote),
     ];
   }
 
-  /** Creates the downloads of shapes alone: the view, and a page with sliders. */
-  private shapeDownloads(close: () => void): Node[] {
+  /** Creates the downloads of shapes alone: the view, and a page with sliders unless it is a graph. */
+  private shapeDownloads(shape: Shape, close: () => void): Node[] {
     const { studio } = this;
     return [
       button(text.viewFile, () => {
         const view = JSON.stringify(studio.shownView?.get());
         download(new Blob([view], { type: 'application/json' }), `${this.stem}.view.json`);
       }),
-      button(text.pageGo, () => {
-        close();
-        void this.page();
-      }),
+      ...(shape.graph
+        ? []
+        : [
+            button(text.pageGo, () => {
+              close();
+              void this.page();
+            }),
+          ]),
     ];
   }
 

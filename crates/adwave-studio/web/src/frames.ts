@@ -1,4 +1,4 @@
-/** The frames of a field over time: a slider below the picture, and a button that plays them. */
+/** The frames of a series: a slider below the picture, and a button that plays them. */
 
 import { h, iconButton } from './dom';
 import { formatNumber } from './lengths';
@@ -25,19 +25,46 @@ export function timeOf(step: number | null, frame: number): string {
     : `${formatNumber(1000 * seconds, 4)} ms`;
 }
 
-export interface FrameBar {
+/** A frame with the series that it belongs to. */
+type Frame = Pick<FieldName, 'name' | 'series'>;
+
+export interface FrameBar<F extends Frame = FieldName> {
   element: HTMLElement;
   /** Shows the frames of a series and which of them the picture shows; hides the bar for fewer than two. */
-  set(frames: readonly FieldName[], at: number): void;
+  set(frames: readonly F[], at: number): void;
+  /** Stops playing, and shows the frame that is `by` frames later. */
+  step(by: number): void;
   stop(): void;
 }
 
+/** Shows one frame at a time; of those asked for meanwhile, the latest follows unless it is cleared. */
+function latestOnly<F>(show: (frame: F, rest: boolean) => Promise<void>) {
+  let wanted: [F, boolean] | null = null;
+  let busy = false;
+  return {
+    clear: () => {
+      wanted = null;
+    },
+    show: async (frame: F, rest: boolean): Promise<void> => {
+      wanted = [frame, rest];
+      if (busy) return;
+      busy = true;
+      while (wanted) {
+        const next: [F, boolean] = wanted;
+        wanted = null;
+        await show(...next);
+      }
+      busy = false;
+    },
+  };
+}
+
 /**
- * Creates the bar. `show` colors the shape by a frame; it is called with `rest = true` once the picture comes to rest on
- * it. The next frame waits until the one before is shown.
+ * Creates the bar. `show` shows a frame; it is called with `rest = true` once the picture comes to rest on it. The next
+ * frame waits until the one before is shown.
  */
-export function frameBar(show: (frame: FieldName, rest: boolean) => Promise<void>): FrameBar {
-  let frames: readonly FieldName[] = [];
+export function frameBar<F extends Frame>(show: (frame: F, rest: boolean) => Promise<void>): FrameBar<F> {
+  let frames: readonly F[] = [];
   let at = 0;
   /** Counter of plays; 0 while none runs, and a loop of an earlier one ends. */
   let playing = 0;
@@ -47,21 +74,8 @@ export function frameBar(show: (frame: FieldName, rest: boolean) => Promise<void
   const play = iconButton('play', text.play, () => (playing ? rest() : void run()));
   const element = h('div', { class: 'frame-bar', hidden: true }, play, input, label);
 
-  /** Frame that is wanted while another one is fetched. */
-  let wanted: { frame: number; rest: boolean } | null = null;
-  let busy = false;
-  async function showLatest(frame: number, isRest: boolean): Promise<void> {
-    wanted = { frame, rest: isRest };
-    if (busy) return;
-    busy = true;
-    while (wanted) {
-      const { frame: k, rest: still }: { frame: number; rest: boolean } = wanted;
-      wanted = null;
-      const field = frames[k];
-      if (field) await show(field, still);
-    }
-    busy = false;
-  }
+  const latest = latestOnly(show);
+  const showAt = (isRest: boolean) => latest.show(frames[at]!, isRest);
 
   function place(frame: number): void {
     at = frame;
@@ -85,7 +99,7 @@ export function frameBar(show: (frame: FieldName, rest: boolean) => Promise<void
     while (playing === mine && frames.length > 1) {
       const due = performance.now() + 1000 / RATE;
       place((at + 1) % frames.length);
-      await showLatest(at, false);
+      await showAt(false);
       await new Promise((resolve) => setTimeout(resolve, Math.max(0, due - performance.now())));
       // A hidden page plays nothing.
       if (document.hidden && playing === mine) rest();
@@ -95,25 +109,33 @@ export function frameBar(show: (frame: FieldName, rest: boolean) => Promise<void
   /** Stops on the present frame. */
   function rest(): void {
     setPlaying(false);
-    void showLatest(at, true);
+    void showAt(true);
   }
 
   input.addEventListener('input', () => {
     if (playing) setPlaying(false);
     place(input.valueAsNumber);
-    void showLatest(at, false);
+    void showAt(false);
   });
-  input.addEventListener('change', () => void showLatest(at, true));
+  input.addEventListener('change', () => void showAt(true));
 
   return {
     element,
     set: (next, frame) => {
       const isSame = next.length === frames.length && next[0]?.name === frames[0]?.name;
-      if (!isSame && playing) setPlaying(false);
+      if (!isSame) {
+        latest.clear();
+        if (playing) setPlaying(false);
+      }
       frames = next;
       element.hidden = frames.length < 2;
       input.max = String(Math.max(0, frames.length - 1));
       if (!element.hidden && !playing) place(Math.max(0, frame));
+    },
+    step: (by) => {
+      if (frames.length < 2) return;
+      place(Math.min(frames.length - 1, Math.max(0, at + by)));
+      rest();
     },
     stop: () => {
       if (playing) setPlaying(false);

@@ -21,10 +21,12 @@ test('the view of a volume is recalled only if it is complete', () => {
   const memory = {
     look: { mode: 'gray' as const, window: [0, 5] as [number, number], relief: 1, smooth: false },
     cross: [1, 2, 3],
+    frame: 3,
     panes: [{ zoom: 2, middle: [4, 5] as [number, number] }],
   };
   expect(isGridMemory(memory, [10, 10, 10])).toBe(true);
   expect(isGridMemory(memory, [10, 10])).toBe(false);
+  expect(isGridMemory({ ...memory, frame: 0.5 }, [10, 10, 10])).toBe(false);
   expect(isGridMemory({ ...memory, look: { ...memory.look, window: [5, 5] } }, [10, 10, 10])).toBe(false);
   expect(isGridMemory({ ...memory, panes: [{ zoom: 0, middle: [4, 5] }] }, [10, 10, 10])).toBe(false);
 });

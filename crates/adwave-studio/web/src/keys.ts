@@ -58,6 +58,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       else if (key === '\\') studio.setBefore(true);
       else if (key === 's') studio.gridView.toggleWipe();
       else if (key === 'f') studio.gridView.fitAll();
+      else if (key === ',' || key === '.') studio.gridView.frames.step(key === '.' ? 1 : -1);
       else if (key === 'e') focusSliders();
       else return;
       e.preventDefault();
@@ -70,7 +71,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
     } else if (e.key === '?') showKeys(false);
     else if (e.key === '\\') studio.setBefore(true);
     else if (key === 'b') studio.setTool(studio.isBrushOn ? 'look' : 'brush');
-    else if (key === 'p') studio.setTool(studio.isGrabOn ? 'look' : 'grab');
+    else if (key === 'p' && !studio.shape?.graph) studio.setTool(studio.isGrabOn ? 'look' : 'grab');
     else if (key === 'n') {
       brush.mode = brush.mode === 'add' ? 'subtract' : 'add';
       studio.emit('tool');

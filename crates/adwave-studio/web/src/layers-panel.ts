@@ -172,7 +172,7 @@ export function layersPanel(studio: Studio): HTMLElement {
   const rules = constraints(studio);
   studio.on('target', () => {
     // Constraints hold for positions.
-    rules.hidden = studio.target !== null;
+    rules.hidden = studio.target !== null || studio.shape?.graph?.placed === true;
     settings.reset();
     rebuild();
   });

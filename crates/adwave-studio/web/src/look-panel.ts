@@ -45,6 +45,7 @@ function styleControl(studio: Studio) {
       view.markMoving();
     },
   );
+  const isGraph = () => Boolean(studio.shape?.graph);
   const styles: Style[] = ['shaded', 'matcap', 'flat', 'edges'];
   const setStyle = (style: Style) => {
     view.style = style;
@@ -61,15 +62,17 @@ function styleControl(studio: Studio) {
     setStyle,
   );
   studio.on('shape', () => {
-    const cloud = studio.shape!.kind === 'cloud';
+    const cloud = studio.shape!.n_triangles === 0;
     points.hidden = !cloud;
-    // A cloud has no edges.
+    // A graph has nodes of one color, and its edges are always shown; a cloud has none.
+    styleButtons.hidden = isGraph();
     styleButtons.querySelector<HTMLElement>('button:last-child')!.hidden = cloud;
     setStyle(cloud && view.style === 'edges' ? 'shaded' : view.style);
   });
 
   const cycle = () => {
-    const offered = styles.filter((s) => s !== 'edges' || studio.shape?.kind !== 'cloud');
+    if (isGraph()) return;
+    const offered = styles.filter((s) => s !== 'edges' || studio.shape?.n_triangles !== 0);
     setStyle(offered[(offered.indexOf(view.style) + 1) % offered.length]!);
   };
   return { controls: [styleButtons, facesControls(studio), points], setStyle, cycle };
@@ -162,6 +165,7 @@ function featureControls(
     lastPlace = null;
     threshold.hidden = true;
     featureBox.querySelector('input')!.checked = false;
+    featureBox.hidden = studio.shape!.graph?.placed === true;
     closeCard();
   });
   stage.onClick = (answer, x, y) => {
@@ -206,10 +210,11 @@ function featureControls(
     const place = point.map((x, c) => x + center[c]!);
     const distance = lastPlace && Math.hypot(...place.map((x, c) => x - lastPlace![c]!));
     lastPlace = place;
+    const isPlaced = studio.shape!.graph?.placed === true;
     const lines = [
       `${text.vertex(v)}${valueAt(v)}`,
-      text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
-      distance === null ? '' : text.distance(formatNumber(distance, 4)),
+      isPlaced ? '' : text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
+      distance === null || isPlaced ? '' : text.distance(formatNumber(distance, 4)),
     ];
     const facts = lines.filter((line) => line !== '').map((line) => h('div', {}, line));
     showCard(facts, point, studio.shape!.n_triangles > 0 ? turnPartButton(studio, v) : null);
@@ -270,14 +275,21 @@ function cameraControls(studio: Studio): HTMLElement[] {
       view.markMoving();
     },
   );
+  const settings = h(
+    'details',
+    {},
+    h('summary', {}, text.camera),
+    h('div', { class: 'stack' }, turning, upright),
+  );
   studio.on(['shape', 'camera'], () => {
     upright.set(view.camera.up);
     turning.set(view.camera.trackball ? 'trackball' : 'turntable');
+    // A flat graph is seen from above alone.
+    for (const button of [...cameraRow.children].slice(0, -1))
+      (button as HTMLElement).hidden = view.camera.flat !== null;
+    settings.hidden = view.camera.flat !== null;
   });
-  return [
-    cameraRow,
-    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
-  ];
+  return [cameraRow, settings];
 }
 
 /** Creates the settings of the plane that cuts the shape. */
@@ -390,11 +402,18 @@ function createReadouts(studio: Studio): HTMLElement {
     const { displacement: moved } = studio;
     const pair = (name: string, value: string) => h('div', {}, h('dt', {}, name), h('dd', {}, value));
     const percent = (x: number) => ` (${formatNumber((100 * x) / shape.diagonal, 2)} %)`;
-    const items = [pair(shape.kind === 'cloud' ? text.points : text.vertices, formatCount(shape.n_vertices))];
+    const { graph } = shape;
+    const counted = graph ? text.nodes : shape.kind === 'cloud' ? text.points : text.vertices;
+    const items = [pair(counted, formatCount(shape.n_vertices))];
+    if (graph) items.push(pair(text.graphEdges, formatCount(graph.n_edges)));
     if (studio.target !== null) {
       const { change } = studio.fieldEditor;
       items.push(pair(text.fieldGreatest, change ? formatNumber(change.greatest) : '–'));
       items.push(pair(text.fieldRms, change ? formatNumber(change.rms) : '–'));
+      readouts.replaceChildren(...items);
+      return;
+    }
+    if (graph?.placed) {
       readouts.replaceChildren(...items);
       return;
     }
@@ -422,9 +441,16 @@ function createReadouts(studio: Studio): HTMLElement {
 /** Fields of scanners by which a cloud without colors is colored at first. */
 const OF_SCANNERS = ['classification', 'intensity', 'reflectance', 'scalar_Intensity'];
 
+/** Field that is edited when a graph is opened for the first time; `null` for the positions of another shape. */
+function editedFirst(shape: Shape | null): string | null {
+  if (shape?.kind !== 'graph') return null;
+  return shape.fields.find((f) => f.editable)?.name ?? null;
+}
+
 /** Entry of the list of colors for a shape that is opened for the first time: the file's own, if it has any. */
 export function ownColors(shape: Shape | null): string | null {
   if (!shape) return null;
+  if (shape.kind === 'graph') return `field-${editedFirst(shape)}`;
   const rgb = shape.fields.find((f) => f.rgb);
   const names = rgb ? [rgb.name] : shape.kind === 'cloud' ? OF_SCANNERS : [];
   const own = names.find((name) => shape.fields.some((f) => f.name === name));
@@ -442,7 +468,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
     clip.set(parseClip(memory?.clip));
     recalled = memory?.colors ?? ownColors(studio.shape);
-    recalledTarget = memory?.target ?? null;
+    recalledTarget = memory ? (memory.target ?? null) : editedFirst(studio.shape);
   };
   studio.shownView = {
     get: () => {

@@ -291,9 +291,7 @@ function announceShapes(studio: Studio): void {
     const shape = studio.shape!;
     document.title = `${shape.name} – ${text.title}`;
     if (!localStorage.getItem('adwave-visited'))
-      studio.showMessage(
-        !shape.grid ? text.firstVisit : shape.kind === 'image' ? text.firstImage : text.firstVolume,
-      );
+      studio.showMessage(text.firstVisits[shape.kind] ?? text.firstVisit);
     localStorage.setItem('adwave-visited', 'yes');
     if (shape.resumed && !announced.has(shape.id))
       studio.showMessage(shape.grid ? text.gridResumed : text.resumed);
@@ -355,6 +353,10 @@ export function start(options: StartOptions): void {
   const { saving, banner } = saveStatus(studio, files);
   const { bar, badge } = topBar(studio, files, look, saving);
   const loading = h('p', { class: 'loading' }, text.loading);
+  const scale = scaleBar(view);
+  studio.on('shape', () => {
+    scale.hidden = studio.shape?.graph?.placed === true;
+  });
   const ofShapes = studio.forShapes(() => [
     h(
       'div',
@@ -367,7 +369,7 @@ export function start(options: StartOptions): void {
       look.legend,
       look.frames,
       toolbar(studio),
-      scaleBar(view),
+      scale,
       comparisonPanel(studio),
       studio.beside.labels(),
     ),

@@ -19,6 +19,11 @@ type Lines = LineSegments<BufferGeometry, RawShaderMaterial>;
 type Ink = [number, number, number];
 type Balls = Points<BufferGeometry, RawShaderMaterial>;
 
+const EDGE_OPACITY = 0.4;
+/** Number of edges of a graph above which they become fainter, down to this share of their opacity. */
+const FEW_EDGES = 3000;
+const FAINTEST = 0.12;
+
 export class Overlays {
   private readonly ring: Lines[] = [];
   private readonly balls: Balls;
@@ -29,6 +34,7 @@ export class Overlays {
   private readonly lines = new BufferGeometry();
   private wires: Lines | null = null;
   private edgeInk: Ink = [0, 0, 0];
+  private edgeOpacity = EDGE_OPACITY;
   private readonly clip = new Vector4(...WHOLE);
 
   constructor(private readonly scene: Scene) {
@@ -113,9 +119,16 @@ export class Overlays {
     placeBalls(this.mark, place ?? [], place ? [1] : []);
   }
 
-  setEdges(pairs: Uint32Array): void {
+  /** Sets the edges of a mesh, which are drawn above its faces, or of a graph, below its nodes. */
+  setEdges(pairs: Uint32Array, place: 'above' | 'below'): void {
     this.lines.setIndex(new BufferAttribute(pairs, 1));
-    this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002, this.clip));
+    this.wires = new LineSegments(
+      this.lines,
+      lineMaterial(0.35, place === 'above' ? 0.0002 : -0.0002, this.clip),
+    );
+    // Many edges of a graph cross each other.
+    const crowd = place === 'below' ? Math.sqrt(FEW_EDGES / (pairs.length / 2)) : 1;
+    this.edgeOpacity = EDGE_OPACITY * Math.min(1, Math.max(FAINTEST, crowd));
     this.wires.frustumCulled = false;
     this.wires.renderOrder = 1;
     this.scene.add(this.wires);
@@ -131,7 +144,7 @@ export class Overlays {
     this.wires.visible = shown;
     if (!shown) return;
     this.lines.setAttribute('position', of.getAttribute('position'));
-    ink(this.wires).set(...this.edgeInk, 0.4);
+    ink(this.wires).set(...this.edgeInk, this.edgeOpacity);
   }
 
   clear(): void {

@@ -161,7 +161,10 @@ export interface GridInfo {
   steps: [number, number, number][];
   unit: string | null;
   views: SliceView[];
+  /** Number of values of a place that are shown together: 1 in a series. */
   n_channels: number;
+  /** Frames of a series, with the seconds between them; `null` for other images and volumes. */
+  frames: { n: number; step: number | null } | null;
   value_type: string;
   n_missing: number;
   /** Largest and root mean square change by the stored edit. */
@@ -173,6 +176,15 @@ export interface GridInfo {
   range: { least: number; greatest: number; low: number; high: number };
   /** Endings of file names by the names of the formats that can be written. */
   extensions: Record<string, string>;
+}
+
+/** Edges of a graph or a curve, and how they are shown. */
+export interface GraphInfo {
+  n_edges: number;
+  /** True if all nodes lie in one plane of constant z, which is looked at from above. */
+  flat: boolean;
+  /** True if the file has no positions: the server placed the nodes, and the fields alone can be edited. */
+  placed: boolean;
 }
 
 export interface Shape {
@@ -200,6 +212,8 @@ export interface Shape {
   resumed: boolean;
   /** Places of an image or a volume; none for a shape. */
   grid?: GridInfo;
+  /** Edges of a graph or a curve; `null` for another shape. */
+  graph?: GraphInfo | null;
 }
 
 /** True if faces of a closed surface or of closed parts of it point inward. */

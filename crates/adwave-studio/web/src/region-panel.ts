@@ -308,6 +308,7 @@ function kindSelect(context: RegionContext, region: Region | null, kind: RegionC
   const { studio, shape, key, set } = context;
   const choices = text.regionChoices
     .filter(([k]) => k !== 'other' || kind === 'other')
+    .filter(([k]) => !shape.graph?.placed || (k !== 'box' && k !== 'half-space'))
     .map(([k, name]) => [k, k === 'other' ? text.otherRegion(describeRegion(region)) : name]) as [
     RegionChoice,
     string,

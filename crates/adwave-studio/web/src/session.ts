@@ -35,12 +35,14 @@ export class Session {
       await this.openGrid(shape, generation);
       return;
     }
-    if (positions.length === 0) throw new Error(text.noPositions(shape.name));
+    const edges = shape.graph ? await api.indices(`shapes/${shape.id}/edges`) : null;
+    if (generation !== this.generation) return;
     studio.shape = shape;
     studio.showDomain();
     sessionStorage.setItem('adwave-shape', String(shape.id));
     const cloud = triangles.length === 0;
-    view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
+    const graph = edges && { edges, isFlat: shape.graph!.flat };
+    view.setShape(positions, triangles, graph, shape.mean_length || shape.diagonal / 100);
     placeCamera(view.camera, shape);
     const coarsen = () => view.arrays.setCoarse(coarseTriangles(positions, triangles, COARSE));
     const few = view.arrays.heavy && shape.n_triangles > COARSE_FIRST;
@@ -65,6 +67,8 @@ export class Session {
       cloud,
       positions,
       triangles,
+      edges,
+      countsEdges: shape.graph?.placed === true,
     });
     const bands = this.readBands(generation);
     const edit = await fetchEditAfterReload(api, shape.id);

@@ -473,7 +473,9 @@ export class Stage {
       studio.timings.records.pick.push(answer.took);
       this.hoverAnswer = answer;
       if (showsRing && !this.stroke) {
-        const flat = answer.hit && !answer.outer ? flatRing(answer.hit, shape.radius) : null;
+        const { hit, outer } = answer;
+        const flat = hit && !outer ? this.flatRing(hit, shape.radius) : null;
+        studio.view.showRing(outer ?? flat, answer.inner);
         // The moving circle is drawn over the coarse version.
         studio.view.showRing(answer.outer ?? flat, answer.inner);
         studio.view.markMoving();
@@ -482,6 +484,13 @@ export class Stage {
       // More than one pick per frame would not be visible.
       await new Promise((done) => requestAnimationFrame(done));
     }
+  }
+
+  /** Circle of the brush where its edge on the surface is not known; `null` on a graph in space, which has no plane. */
+  private flatRing(hit: Hit, radius: number): Float32Array | null {
+    const graph = this.studio.shape?.graph;
+    if (!graph) return flatRing(hit, radius);
+    return graph.flat ? flatRing({ ...hit, normal: [0, 0, 1] }, radius) : null;
   }
 
   private onPointerLeave(): void {

@@ -285,7 +285,8 @@ export class Studio {
 
   /** True if the band of a level is loaded, of the positions or of the field that is edited. */
   isBandReady(level: number): boolean {
-    if (this.target === null) return this.isEditShown && this.loadedBands.has(level);
+    if (this.target === null)
+      return this.isEditShown && this.loadedBands.has(level) && !this.shape?.graph?.placed;
     return this.fieldEditor.loaded === this.target;
   }
 

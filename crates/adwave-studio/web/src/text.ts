@@ -28,9 +28,14 @@ export const text = {
   },
   firstVisit: 'Drag the shape to rotate it. Move a slider to weaken or strengthen detail of its width.',
   stage: 'The shape. Drag or use the arrow keys to rotate.',
-  firstImage: 'Drag the image to move it. Move a slider to weaken or strengthen detail of its width.',
-  firstVolume:
-    'Drag the cross to move through the volume. Move a slider to weaken or strengthen detail of its width.',
+  firstVisits: {
+    image: 'Drag the image to move it. Move a slider to weaken or strengthen detail of its width.',
+    volume:
+      'Drag the cross to move through the volume. Move a slider to weaken or strengthen detail of its width.',
+    curve: 'Drag the curve to rotate it. Move a slider to weaken or strengthen detail of its width.',
+    graph:
+      'Colors show a field on the nodes. Move a slider to weaken or strengthen its detail of that width, or drop a file with other values.',
+  } as Record<string, string>,
   beforeShort: 'Before',
   afterShort: 'After',
   loading: 'Loading the shape…',
@@ -76,6 +81,7 @@ export const text = {
   fine: 'Fine',
   coarse: 'Coarse',
   axis: 'Width σ of each band, in model units',
+  graphAxis: 'Width σ of each band, in edges',
   gridAxis: (unit: string) => `Width σ of each band${unit ? `, in ${unit}` : ''}`,
   meters: 'Detail under the cursor',
   band: (level: number, sigma: string) => `Band ${level}, σ ${sigma}`,
@@ -348,6 +354,8 @@ export const text = {
   upZ: 'z up',
   vertices: 'Vertices',
   points: 'Points',
+  nodes: 'Nodes',
+  graphEdges: 'Edges',
   greatest: 'Max displacement',
   rms: 'RMS',
   volume: 'Volume',
@@ -405,6 +413,8 @@ export const text = {
   gridSpacings: 'Spacings',
   gridNumbers: 'Numbers',
   gridMissing: 'Places without data',
+  gridFrames: 'Frames',
+  framesEvery: (n: number, step: string) => (step ? `${n}, one every ${step}` : String(n)),
   lengthUnits: {
     millimeter: 'mm',
     centimeter: 'cm',
@@ -529,8 +539,6 @@ export const text = {
   badAnswer: (status: number) => `The server responded with status ${status}. Reload the page.`,
   noWebgl:
     'The studio needs WebGL 2, which this browser does not provide. Turn on hardware acceleration in its settings, or use a current Firefox, Chrome or Safari.',
-  noPositions: (name: string) =>
-    `${name} has no positions to display. For signals on a graph, use adwave denoise or adwave transform.`,
   noShape: 'No shape is open. Drop a file here.',
   tooSmall: 'This shape has too few vertices for bands. Open a larger shape.',
 
@@ -570,6 +578,7 @@ export const text = {
     ['Click', 'Mark a place of an image, whose values are then shown'],
     ['Wheel', 'Enlarge an image; in a volume, other slices, and with Ctrl enlarge'],
     ['Page\u00a0Up Page\u00a0Down', 'Other slices of a volume'],
+    [', .', 'Previous, next frame of a series'],
     ['?', 'This list'],
   ] as const,
   about: 'About',

@@ -16,6 +16,12 @@ export function toolbar(studio: Studio): HTMLElement {
       button.setAttribute('aria-pressed', String(tools[i] === studio.tool));
   };
   studio.on('tool', show);
+  studio.on('shape', () => {
+    // A graph is not bent.
+    const bends = !studio.shape?.graph;
+    buttons[tools.indexOf('grab')]!.hidden = !bends;
+    if (!bends && studio.isGrabOn) studio.setTool('look');
+  });
   show();
   return h('div', { class: 'toolbar', role: 'group', 'aria-label': text.pointer }, ...buttons);
 }

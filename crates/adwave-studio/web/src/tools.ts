@@ -40,7 +40,7 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
   };
   const compare = (method: CompareMethod) =>
     work(text.compare, (isCancelled) => showComparison(studio, method, isCancelled));
-  return [
+  const compared = [
     ...studio.beside.section(close),
     h('h3', {}, text.compare),
     h('p', {}, text.compareNote),
@@ -56,6 +56,8 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
           })
         : null!,
     ),
+  ];
+  const reported = [
     h('h3', {}, text.report),
     h('p', {}, text.reportNote),
     h(
@@ -78,6 +80,8 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
         }),
       ),
     ),
+  ];
+  const denoised = [
     h('h3', {}, text.denoise),
     h('p', {}, text.denoiseNote),
     h(
@@ -99,7 +103,13 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
         }),
       ),
     ),
-  ].filter((node) => node !== null);
+  ];
+  // A graph has no surface to compare, and only a curve has positions with noise.
+  const isCurve = shape.kind === 'curve';
+  const sections = shape.graph
+    ? [...reported, ...(isCurve ? denoised : [])]
+    : [...compared, ...reported, ...denoised];
+  return sections.filter((node) => node !== null);
 }
 
 /** Shows the positions before denoising on the left of the wipe. */

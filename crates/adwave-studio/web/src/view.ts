@@ -88,6 +88,8 @@ export class View {
   private beside: BesideShape | null = null;
   private size = { width: 1, height: 1 };
   private pointSize = 1;
+  /** True for a graph or a curve, whose edges are always drawn. */
+  private isGraph = false;
   /** Factor on the size of the points of a cloud. */
   pointScale = 1;
   private frame = 0;
@@ -130,9 +132,17 @@ export class View {
     this.request();
   }
 
-  /** Sets a new shape; positions are relative to its center. */
-  setShape(positions: Float32Array, triangles: Uint32Array, cloud: boolean, meanLength: number): void {
+  /** Sets a new shape; positions are relative to its center. Without triangles it is a cloud, or a graph with edges. */
+  setShape(
+    positions: Float32Array,
+    triangles: Uint32Array,
+    graph: { edges: Uint32Array; isFlat: boolean } | null,
+    meanLength: number,
+  ): void {
     this.clear();
+    const cloud = triangles.length === 0;
+    this.isGraph = graph !== null;
+    if (graph) this.overlays.setEdges(graph.edges, 'below');
     this.pointSize = meanLength * 1.4;
     const geometry = this.arrays.setShape(positions, triangles, cloud);
     const material = new RawShaderMaterial();
@@ -142,6 +152,7 @@ export class View {
     const { low, high, center, radius } = boundsOf(positions);
     this.bounds = { low, high };
     this.camera.setBounds(center, radius, meanLength);
+    this.camera.flat = graph?.isFlat ? [(high[0]! - low[0]!) / 2, (high[1]! - low[1]!) / 2] : null;
     this.setClip(null);
     this.camera.start();
     this.request();
@@ -198,6 +209,11 @@ export class View {
     this.materials.tinted = false;
     this.materials.forgetSums();
     this.overlays.clear();
+  }
+
+  /** True if the depth of the picture is shown by darker outlines. */
+  private get isEyeDome(): boolean {
+    return this.arrays.cloud && !this.isGraph;
   }
 
   setLevels(nLevels: number): void {
@@ -278,7 +294,7 @@ export class View {
   }
 
   setEdges(pairs: Uint32Array): void {
-    this.overlays.setEdges(pairs);
+    this.overlays.setEdges(pairs, 'above');
     this.request();
   }
 
@@ -376,7 +392,7 @@ export class View {
     if (this.beside) renderer.setViewport(0, bottom, part.width, part.height);
     const drawWhole = () => this.drawShape(this.showsOriginal, coarse);
     if (this.split === null && !this.beside) {
-      if (this.arrays.cloud && (this.isAtRest || !this.software))
+      if (this.isEyeDome && (this.isAtRest || !this.software))
         this.eyeDome.light(renderer, this.camera.three, drawWhole);
       else drawWhole();
     } else {
@@ -456,7 +472,7 @@ export class View {
       tint: materials.tinted && !before,
       clip: this.clip !== null,
     });
-    this.overlays.placeEdges(this.style === 'edges' && !summed && !few, geometry);
+    this.overlays.placeEdges((this.isGraph || this.style === 'edges') && !summed && !few, geometry);
     this.renderer.render(this.scene, this.lens);
   }
 
@@ -480,7 +496,7 @@ export class View {
       renderer.setRenderTarget(target);
       renderer.clear();
       const draw = () => this.drawShape(this.showsOriginal, false);
-      if (this.arrays.cloud) this.eyeDome.light(renderer, lens, draw, target, scale);
+      if (this.isEyeDome) this.eyeDome.light(renderer, lens, draw, target, scale);
       else draw();
       renderer.readRenderTargetPixels(target, margin, margin, part.width, part.height, samples);
     } finally {

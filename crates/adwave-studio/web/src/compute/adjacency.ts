@@ -108,6 +108,17 @@ export function neighborsOfCloud(positions: Float32Array, k: number): Rows {
   return { offsets, entries: entries.slice(0, size) };
 }
 
+/** Lists the neighbors of each node of a graph; `pairs` has two nodes for each edge. */
+export function neighborsOfGraph(pairs: Uint32Array, n: number): Rows {
+  const offsets = new Uint32Array(n + 1);
+  for (const v of pairs) offsets[v + 1]!++;
+  for (let v = 0; v < n; v++) offsets[v + 1]! += offsets[v]!;
+  const next = offsets.slice(0, n);
+  const entries = new Uint32Array(pairs.length);
+  for (let i = 0; i < pairs.length; i++) entries[next[pairs[i]!]!++] = pairs[i ^ 1]!;
+  return { offsets, entries };
+}
+
 /** Hash grid of points in cubes of equal size. */
 export class Grid {
   readonly cell: number;

@@ -1,7 +1,7 @@
 /** Web worker for everything that depends on the number of vertices: positions, normals, masks and picking. */
 
 import type { ReshapedBy } from '../protocol';
-import { type Rows, trianglesOfVertices } from './adjacency';
+import { neighborsOfCloud, neighborsOfGraph, type Rows, trianglesOfVertices } from './adjacency';
 import { edgePairs } from './coarse';
 import { type EditableField, editedField, fieldChange, splitField } from './field';
 import type { Bent, Call, Calls, Follow, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
@@ -13,7 +13,7 @@ import type { RegionContext } from './regions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
-import { cloudSurface, placeNormals, readSurface, type Surface } from './surface';
+import { linkedPoints, placeNormals, readSurface, type Surface } from './surface';
 
 const post = self.postMessage.bind(self) as (message: FromWorker, transfer?: Transferable[]) => void;
 
@@ -83,10 +83,17 @@ class Shape {
   /** Fetches the surface once: distances must be measured on the data of the server. */
   async prepare(): Promise<void> {
     if (this.surfaceOnce) return;
-    const { cloud, positions, triangles } = this.given;
+    const { cloud, triangles } = this.given;
     this.surfaceOnce = cloud
-      ? cloudSurface(positions, CLOUD_NEIGHBORS)
+      ? this.linked()
       : readSurface(await (await this.fetch('surface')).arrayBuffer(), this.n, triangles);
+  }
+
+  /** Points of a cloud or a graph with their neighbors. */
+  private linked(): Surface {
+    const { positions, edges, countsEdges } = this.given;
+    const neighbors = edges ? neighborsOfGraph(edges, this.n) : neighborsOfCloud(positions, CLOUD_NEIGHBORS);
+    return linkedPoints(positions, neighbors, countsEdges);
   }
 
   get hasSurface(): boolean {
@@ -114,8 +121,10 @@ class Shape {
 
   normals(positions: Float32Array): Int8Array<ArrayBuffer> {
     const out = new Int8Array(4 * this.n);
+    // Nodes of a graph face the viewer.
+    if (this.given.edges) return out;
     if (this.given.cloud) {
-      this.surfaceOnce ??= cloudSurface(this.given.positions, CLOUD_NEIGHBORS);
+      this.surfaceOnce ??= this.linked();
       const { offsets, entries } = this.surface.neighbors;
       cloudNormals(positions, offsets, entries, out);
     } else meshNormals(positions, this.triangles, this.sums, out);
@@ -447,7 +456,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     const normals = new Int8Array((4 * positions.length) / 3);
     if (triangles.length > 0) meshNormals(positions, triangles, new Float32Array(positions.length), normals);
     else {
-      const { offsets, entries } = cloudSurface(positions, CLOUD_NEIGHBORS).neighbors;
+      const { offsets, entries } = neighborsOfCloud(positions, CLOUD_NEIGHBORS);
       cloudNormals(positions, offsets, entries, normals);
     }
     return { normals };

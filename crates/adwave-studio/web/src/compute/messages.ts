@@ -43,6 +43,10 @@ export interface Calls {
       cloud: boolean;
       positions: Float32Array;
       triangles: Uint32Array;
+      /** Two nodes for each edge of a graph or a curve; `null` for another shape. */
+      edges: Uint32Array | null;
+      /** True if distances are numbers of edges. */
+      countsEdges: boolean;
     },
     { normals: Int8Array },
   ];

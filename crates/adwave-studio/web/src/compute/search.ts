@@ -1,6 +1,6 @@
 /**
  * Distance along a surface, by the rules of the server: on a mesh by straight lines over unfolded triangles (`front.ts`), on
- * a cloud by shortest paths over the edges, in which two consecutive edges may be replaced by the straight line between
+ * a cloud or a graph by shortest paths over the edges, in which two consecutive edges may be replaced by the straight line between
  * their ends; ties are broken by the smaller index. Memory is reused, so that a search costs only what it reaches.
  */
 
@@ -67,7 +67,7 @@ export class SurfaceSearch {
 
   /** Adds sources to those since the last `run`; costs only the points that are nearer to the new ones. */
   add(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
-    const { places, neighbors, points } = this.surface;
+    const { places, neighbors, points, countsEdges } = this.surface;
     this.stamp++;
     this.nFound = 0;
     this.nReached = 0;
@@ -92,8 +92,8 @@ export class SurfaceSearch {
       for (let e = offsets[x]!, end = offsets[x + 1]!; e < end; e++) {
         const y = entries[e]!;
         const known = stamps[y]! >= first ? distances[y]! : Infinity;
-        let there = here + pointDistance(points, x, y);
-        if (before !== NONE) {
+        let there = here + (countsEdges ? 1 : pointDistance(points, x, y));
+        if (before !== NONE && !countsEdges) {
           const straight = start + pointDistance(points, before, y);
           if (straight < there) there = straight;
         }

@@ -3,7 +3,7 @@
  * server and the double precision positions of the file, so that brush strokes are bit-identical to the server's replay.
  */
 
-import { neighborsOfCloud, neighborsOfMesh, type Rows, trianglesOfVertices } from './adjacency';
+import { neighborsOfMesh, type Rows, trianglesOfVertices } from './adjacency';
 
 export interface Surface {
   /** Place of each vertex. */
@@ -14,8 +14,10 @@ export interface Surface {
   members: Rows;
   /** Adjacent places of each place. */
   neighbors: Rows;
-  /** The other two corners of the triangles at each place, two entries each; null for a cloud. */
+  /** The other two corners of the triangles at each place, two entries each; null for a cloud or a graph. */
   corners: Rows | null;
+  /** True if distances are numbers of edges: on a graph without positions. */
+  countsEdges: boolean;
 }
 
 /** Parses the response of `GET surface`: `f64 × 3 × n` positions, then `u32 × n` places. */
@@ -31,20 +33,27 @@ export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Arr
   const welded = triangles.map((v) => places[v]!);
   const neighbors = neighborsOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
   const corners = listCorners(welded, nPlaces);
-  return { places: places.slice(), points, members: listMembers(places, nPlaces), neighbors, corners };
+  return {
+    places: places.slice(),
+    points,
+    members: listMembers(places, nPlaces),
+    neighbors,
+    corners,
+    countsEdges: false,
+  };
 }
 
-/** Builds the surface of a cloud, an approximation of the server's; the server computes the final mask of a stroke. */
-export function cloudSurface(positions: Float32Array, nNeighbors: number): Surface {
+/** Builds the surface of a cloud or a graph, an approximation of the server's, which computes the final mask of a stroke. */
+export function linkedPoints(positions: Float32Array, neighbors: Rows, countsEdges = false): Surface {
   const n = positions.length / 3;
   const places = Uint32Array.from({ length: n }, (_, v) => v);
-  const neighbors = neighborsOfCloud(positions, nNeighbors);
   return {
     places,
     points: Float64Array.from(positions),
     members: listMembers(places, n),
     neighbors,
     corners: null,
+    countsEdges,
   };
 }
 

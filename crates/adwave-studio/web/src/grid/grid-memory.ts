@@ -1,4 +1,4 @@
-/** Window, shading, place and zoom of each image and volume, remembered by the browser from one visit to the next. */
+/** Window, shading, place, frame and zoom of each image and volume, remembered by the browser from one visit to the next. */
 
 import type { Shape } from '../protocol';
 import type { GridLook } from './grid-view';
@@ -13,6 +13,8 @@ export interface PaneMemory {
 export interface GridMemory {
   look: GridLook;
   cross: number[];
+  /** Frame of a series that is shown; 0 without frames. */
+  frame: number;
   panes: PaneMemory[];
 }
 
@@ -49,7 +51,7 @@ export function recallGrid(shape: Shape): GridMemory | null {
 }
 
 /** True for a complete memory of a grid of these sizes; another version may have stored another one. */
-export function isGridMemory({ look, cross, panes }: GridMemory, sizes: readonly number[]): boolean {
+export function isGridMemory({ look, cross, frame, panes }: GridMemory, sizes: readonly number[]): boolean {
   const finite = (list: unknown, n: number) =>
     Array.isArray(list) && list.length === n && list.every((x) => Number.isFinite(x));
   const isPane = (pane: PaneMemory) => pane?.zoom > 0 && Number.isFinite(pane.zoom) && finite(pane.middle, 2);
@@ -59,6 +61,8 @@ export function isGridMemory({ look, cross, panes }: GridMemory, sizes: readonly
     look.window[0] < look.window[1] &&
     look.relief > 0 &&
     finite(cross, sizes.length) &&
+    Number.isInteger(frame) &&
+    frame >= 0 &&
     Array.isArray(panes) &&
     panes.every(isPane)
   );

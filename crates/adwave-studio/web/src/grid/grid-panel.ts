@@ -1,6 +1,7 @@
 /** Panel of an image or a volume: how values are shown, the place of the cross, and what an edit changes. */
 
 import { check, h, segments, slider } from '../dom';
+import { timeOf } from '../frames';
 import { formatNumber } from '../lengths';
 import type { GridInfo } from '../protocol';
 import type { Studio } from '../studio';
@@ -102,10 +103,13 @@ function placeReadout(studio: Studio, view: GridView): HTMLElement {
     const position = positionOf(grid, place.at).slice(0, Math.max(2, grid.sizes.length));
     const index = place.at.map((k, axis) => `${grid.axes[axis]} ${k}`).join(', ');
     const pair = (name: string, value: string) => [h('dt', {}, name), h('dd', {}, value)];
+    const { frames } = grid;
+    const frame = (k: number) => text.frameOf(k + 1, frames!.n, timeOf(frames!.step, k));
     const isEdited = place.after.some((x, c) => x !== place.before[c]) && !Number.isNaN(place.before[0]);
     list.replaceChildren(
       ...pair(text.valueHere, numbers(studio.view.showsOriginal ? place.before : place.after)),
       ...(isEdited ? pair(text.valueOfFile, numbers(place.before)) : []),
+      ...(place.frame === null ? [] : pair(text.frameSlider, frame(place.frame))),
       ...pair(text.indexHere, index),
       ...pair(text.positionHere(unit), position.map((x) => formatNumber(x, 6)).join(', ')),
     );
@@ -135,6 +139,9 @@ function facts(studio: Studio): HTMLElement {
       ...pair(text.fieldRms, moved ? formatNumber(moved.rms) : '0'),
       ...pair(text.gridSizes(grid.axes.join(' × ')), grid.sizes.join(' × ')),
       ...pair(text.gridSpacings, unit ? `${spacings} ${unit}` : spacings),
+      ...(grid.frames
+        ? pair(text.gridFrames, text.framesEvery(grid.frames.n, timeOf(grid.frames.step, 1)))
+        : []),
       ...pair(text.gridNumbers, text.numberTypes[grid.value_type] ?? grid.value_type),
       ...(grid.n_missing > 0 ? pair(text.gridMissing, String(grid.n_missing)) : []),
     );

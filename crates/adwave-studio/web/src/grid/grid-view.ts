@@ -2,6 +2,7 @@
 
 import { globalGains } from '../compute/positions';
 import { h } from '../dom';
+import { frameBar } from '../frames';
 import type { GridInfo } from '../protocol';
 import { soloLayers } from '../state';
 import type { Shown, Studio } from '../studio';
@@ -29,8 +30,18 @@ export interface GridLook {
 /** Values at a place: its index along each axis, and one number for each channel before and after the edit. */
 export interface PlaceValues {
   at: number[];
+  /** Frame of a series that the values are of; `null` without frames. */
+  frame: number | null;
   before: number[];
   after: number[];
+}
+
+/** Frame of a series of images or volumes. */
+interface FrameOfGrid {
+  name: string;
+  series: { name: string; step: number | null };
+  /** Number of the frame, from 0. */
+  frame: number;
 }
 
 interface PaneState {
@@ -52,7 +63,9 @@ export class GridView implements Shown {
   hovered: number[] | null = null;
   grid: GridInfo | null = null;
   private panes: PaneState[] = [];
-  private frame = 0;
+  /** Frame of a series that the panes show, or will once it is loaded; 0 without frames. */
+  private shownFrame = 0;
+  private drawRequest = 0;
   private usualHeight = 1;
   private hasMark = false;
   private waiters: (() => void)[] = [];
@@ -61,11 +74,16 @@ export class GridView implements Shown {
   private content = 0;
   private readonly listeners: (() => void)[] = [];
   readonly wipe: Wipe = gridWipe(() => this.request());
+  /** Slider over the frames of a series. */
+  readonly frames = frameBar<FrameOfGrid>(({ frame }) => this.showFrame(frame));
 
   constructor(private readonly studio: Studio) {
     new ResizeObserver(() => this.request()).observe(this.element);
     studio.on('before', () => this.request());
     studio.on('theme', () => this.request());
+    studio.on('shape', () => {
+      if (!studio.isGrid) this.frames.set([], 0);
+    });
   }
 
   /** Calls `listener` when the cross, the place under the pointer or its values change. */
@@ -97,7 +115,7 @@ export class GridView implements Shown {
     });
     const titled = ({ pane }: PaneState) =>
       isVolume ? h('figure', {}, pane.element, h('figcaption', {}, pane.view.name)) : pane.element;
-    this.element.replaceChildren(...this.panes.map(titled), this.wipe.divider);
+    this.element.replaceChildren(...this.panes.map(titled), this.wipe.divider, this.frames.element);
     const memory = recallGrid(this.studio.shape!);
     if (memory) {
       this.look = { ...memory.look };
@@ -105,6 +123,7 @@ export class GridView implements Shown {
       for (const [k, { pane }] of this.panes.entries()) if (memory.panes[k]) pane.place = memory.panes[k];
     }
     this.element.classList.toggle('three', isVolume);
+    this.openFrames(grid, memory?.frame ?? 0);
     this.reload();
     await this.waitUntilSettled();
     const plane = this.panes[0]?.pane.plane;
@@ -118,9 +137,28 @@ export class GridView implements Shown {
     if (this.look.mode === 'relief') this.repaint();
   }
 
+  /** Offers the frames of a series, and begins with one of them. */
+  private openFrames({ frames }: GridInfo, first: number): void {
+    const n = frames?.n ?? 1;
+    this.shownFrame = Math.min(n - 1, first);
+    this.element.classList.toggle('series', n > 1);
+    const { id, name } = this.studio.shape!;
+    const series = { name, step: frames?.step ?? null };
+    const list = Array.from({ length: n }, (_, frame) => ({ name: `${id} ${frame}`, series, frame }));
+    this.frames.set(list, this.shownFrame);
+  }
+
+  /** Loads a frame in all panes; until it is there they show the one before. */
+  private showFrame(frame: number): Promise<void> {
+    this.shownFrame = frame;
+    this.request();
+    return this.waitUntilSettled();
+  }
+
   /** Everything that is remembered from one visit to the next. */
   get memory(): GridMemory {
-    return { look: this.look, cross: this.cross, panes: this.panes.map(({ pane }) => pane.place) };
+    const { look, cross, shownFrame } = this;
+    return { look, cross, frame: shownFrame, panes: this.panes.map(({ pane }) => pane.place) };
   }
 
   /** Shows the values before the edit in a part of the panes, or no longer. */
@@ -157,8 +195,8 @@ export class GridView implements Shown {
   /** Draws at once: the browser tells of a movement of a slider once for each frame, before it is shown. */
   show(): void {
     if (!this.grid) return;
-    cancelAnimationFrame(this.frame);
-    this.frame = 0;
+    cancelAnimationFrame(this.drawRequest);
+    this.drawRequest = 0;
     this.draw();
     this.release();
   }
@@ -176,7 +214,7 @@ export class GridView implements Shown {
   }
 
   private get isBusy(): boolean {
-    return this.frame !== 0 || this.panes.some((state) => state.loading);
+    return this.drawRequest !== 0 || this.panes.some((state) => state.loading);
   }
 
   waitUntilSettled(): Promise<void> {
@@ -186,9 +224,9 @@ export class GridView implements Shown {
 
   /** Draws once with the next frame of the browser. */
   request(): void {
-    if (!this.grid || this.frame !== 0) return;
-    this.frame = requestAnimationFrame(() => {
-      this.frame = 0;
+    if (!this.grid || this.drawRequest !== 0) return;
+    this.drawRequest = requestAnimationFrame(() => {
+      this.drawRequest = 0;
       this.draw();
       this.release();
     });
@@ -271,7 +309,9 @@ export class GridView implements Shown {
   private load(state: PaneState): void {
     const { pane } = state;
     const index = pane.view.fixed === null ? 0 : this.cross[pane.view.fixed]!;
-    const loaded = pane.plane && pane.plane.part.index === index ? pane.plane.part : null;
+    const frame = this.grid!.frames ? this.shownFrame : null;
+    const own = pane.plane?.part;
+    const loaded = own?.index === index && own.frame === frame ? own : null;
     const most = Math.floor(MOST_VALUES / this.grid!.n_channels);
     const part = partFor(pane.sizes, pane.seen, most, loaded);
     if (!part) return;
@@ -280,7 +320,7 @@ export class GridView implements Shown {
       return;
     }
     state.loading = true;
-    void this.fetch(state, { ...part, index }).finally(() => {
+    void this.fetch(state, { ...part, index, frame }).finally(() => {
       state.loading = false;
       if (state.isWanted) {
         state.isWanted = false;
@@ -298,7 +338,9 @@ export class GridView implements Shown {
       state.pane.plane = new Plane(part, nChannels, floats);
       this.request();
     } catch (error) {
-      if (content === this.content) studio.showMessage((error as Error).message, 'error');
+      if (content !== this.content) return;
+      this.frames.stop();
+      studio.showMessage((error as Error).message, 'error');
     }
   }
 
@@ -382,7 +424,8 @@ export class GridView implements Shown {
       const channels = (values: Float32Array) => [
         ...values.subarray(k * plane.nChannels, (k + 1) * plane.nChannels),
       ];
-      return { at, before: channels(plane.values), after: channels(plane.edited) };
+      const { frame } = plane.part;
+      return { at, frame, before: channels(plane.values), after: channels(plane.edited) };
     }
     return null;
   }

@@ -3,7 +3,7 @@ import type { GridInfo, SliceView } from '../protocol';
 import { type Part, Plane, partFor, positionOf, queryOf, sizesOf } from './plane';
 import { type Shading, shade, usualHeight } from './shade';
 
-const whole: Part = { index: 0, from: [0, 0], to: [2, 3], step: 1 };
+const whole: Part = { index: 0, frame: null, from: [0, 0], to: [2, 3], step: 1 };
 
 test('the edited values are the sum of the bands with their gains', () => {
   const values = [1, 2, 3, 4, Number.NaN, 6];
@@ -22,7 +22,7 @@ test('the edited values are the sum of the bands with their gains', () => {
 });
 
 test('indices of the grid lead to the places that are loaded', () => {
-  const part: Part = { index: 4, from: [10, 20], to: [16, 25], step: 2 };
+  const part: Part = { index: 4, frame: null, from: [10, 20], to: [16, 25], step: 2 };
   expect(sizesOf(part)).toEqual([3, 3]);
   const plane = new Plane(part, 1, new Float32Array(9));
   expect([plane.at(10, 20), plane.at(12, 24), plane.at(14, 22)]).toEqual([0, 5, 7]);
@@ -35,6 +35,7 @@ test('indices of the grid lead to the places that are loaded', () => {
     edges: ['', '', '', ''],
   };
   expect(queryOf(view, part)).toBe('axes=0,2&from=10,20&to=16,25&step=2&index=4');
+  expect(queryOf(view, { ...part, frame: 3 })).toBe('axes=0,2&from=10,20&to=16,25&step=2&index=4&frame=3');
 });
 
 test('positions follow the affine matrix of the file', () => {
@@ -52,14 +53,14 @@ test('positions follow the affine matrix of the file', () => {
 test('a large image is loaded where it is seen, as finely as the screen shows it', () => {
   const seen = { low: [100, 200], high: [300, 500], perPixel: 0.5 } as const;
   const part = partFor([10_000, 10_000], { ...seen, low: [100, 200], high: [300, 500] }, 1 << 20, null)!;
-  expect(part).toEqual({ index: 0, from: [49, 124], to: [352, 577], step: 1 });
+  expect(part).toEqual({ index: 0, frame: null, from: [49, 124], to: [352, 577], step: 1 });
   // Moving within the margin loads nothing.
   const moved = { low: [120, 210], high: [320, 510], perPixel: 0.5 } as const;
   expect(
     partFor([10_000, 10_000], { ...moved, low: [120, 210], high: [320, 510] }, 1 << 20, part),
   ).toBeNull();
   const all = partFor([10_000, 10_000], { low: [0, 0], high: [9999, 9999], perPixel: 12 }, 1 << 20, part)!;
-  expect(all).toEqual({ index: 0, from: [0, 0], to: [10_000, 10_000], step: 12 });
+  expect(all).toEqual({ index: 0, frame: null, from: [0, 0], to: [10_000, 10_000], step: 12 });
   const [rows, columns] = sizesOf(all);
   expect(rows * columns).toBeLessThanOrEqual(1 << 20);
   // Whatever the screen asks for, no more than the limit is loaded.
@@ -68,6 +69,7 @@ test('a large image is loaded where it is seen, as finely as the screen shows it
   // A small image is loaded as a whole, and nothing outside of it.
   expect(partFor([50, 60], { low: [-20, 10], high: [20, 30], perPixel: 3 }, 1 << 20, null)).toEqual({
     index: 0,
+    frame: null,
     from: [0, 0],
     to: [50, 60],
     step: 1,

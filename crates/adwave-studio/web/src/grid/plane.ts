@@ -6,6 +6,8 @@ import type { GridInfo, SliceView } from '../protocol';
 export interface Part {
   /** Index along the axis that is fixed; 0 in an image. */
   index: number;
+  /** Frame of a series; `null` without frames. */
+  frame: number | null;
   from: [number, number];
   to: [number, number];
   step: number;
@@ -17,9 +19,10 @@ export function sizesOf({ from, to, step }: Part): [number, number] {
 }
 
 /** Query of the request for a part. */
-export function queryOf(view: SliceView, { index, from, to, step }: Part): string {
+export function queryOf(view: SliceView, { index, frame, from, to, step }: Part): string {
   const fixed = view.fixed === null ? '' : `&index=${index}`;
-  return `axes=${view.axes}&from=${from}&to=${to}&step=${step}${fixed}`;
+  const ofSeries = frame === null ? '' : `&frame=${frame}`;
+  return `axes=${view.axes}&from=${from}&to=${to}&step=${step}${fixed}${ofSeries}`;
 }
 
 export class Plane {
@@ -105,5 +108,5 @@ export function partFor(
     loaded !== null &&
     loaded.step <= step &&
     ([0, 1] as const).every((k) => loaded.from[k] <= low[k] && loaded.to[k] >= high[k]);
-  return covers ? null : { index: 0, from, to, step };
+  return covers ? null : { index: 0, frame: null, from, to, step };
 }
