@@ -7,15 +7,15 @@
 //! put beside each other. O(pivots · (nodes + edges)), and the same for any number of threads. It is written here
 //! because the crates that place graphs compare all pairs of nodes, or may not be combined with our license.
 
-use adwave::shape::{Adjacency, Graph, label_components};
+use adwave::shape::{Adjacency, Graph};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Number of pivots, and the same for parts with more nodes than [`MANY_NODES`].
+/// Number of pivots, and of those for parts with more nodes than [`MANY_NODES`].
 const PIVOTS: [usize; 2] = [50, 20];
+/// Number of sweeps that lower the stress, and of those for parts with many nodes.
+const SWEEPS: [usize; 2] = [80, 30];
 const MANY_NODES: usize = 200_000;
-/// Number of sweeps that lower the stress.
-const SWEEPS: usize = 80;
 /// Number of nodes two edges away that push a node.
 const SECOND_NEIGHBORS: u64 = 8;
 /// Steps of the power iteration.
@@ -35,30 +35,26 @@ pub(crate) struct GraphLayout {
 
 /// Places the nodes of a graph.
 pub(crate) fn graph_layout(graph: &Graph, progress: Progress<'_>) -> Result<GraphLayout, Cancelled> {
-    let adjacency = graph.adjacency();
-    let (label, n_parts) = label_components(adjacency);
-    let mut members = vec![Vec::new(); n_parts];
-    let mut rank = vec![0_u32; label.len()];
-    for (node, &part) in label.iter().enumerate() {
-        rank[node] = members[part as usize].len() as u32;
-        members[part as usize].push(node as u32);
+    let n = graph.n_nodes();
+    // Number of each node within its part.
+    let mut rank = vec![u32::MAX; n];
+    let (mut parts, mut n_across) = (Vec::new(), 0);
+    for first in 0..n {
+        if rank[first] == u32::MAX {
+            let part = Part::around(first, graph.adjacency(), &mut rank);
+            let (places, across) = part.place(progress)?;
+            n_across = n_across.max(across);
+            parts.push((part.nodes, places));
+        }
     }
-    let (mut parts, mut n_across) = (Vec::with_capacity(n_parts), 0);
-    for nodes in members {
-        let part = Part { adjacency, nodes, rank: &rank };
-        let (places, across) = part.place(progress)?;
-        n_across = n_across.max(across);
-        parts.push((part.nodes, places));
-    }
-    Ok(GraphLayout { places: pack(parts, label.len()), n_across })
+    Ok(GraphLayout { places: pack(parts, n), n_across })
 }
 
-/// Connected part of a graph, whose nodes are counted in the order of `nodes`.
-struct Part<'a> {
-    adjacency: &'a Adjacency,
+/// Connected part of a graph. Its nodes are counted in the order of their distances from the first one, so that most
+/// neighbors are near each other in memory.
+struct Part {
     nodes: Vec<u32>,
-    /// Number of each node of the graph within its part.
-    rank: &'a [u32],
+    neighbors: Adjacency,
 }
 
 /// Distances from the pivots, in edges: that of pivot p from node i is at `p · n + i`.
@@ -67,9 +63,35 @@ struct PivotDistances {
     edges: Vec<u32>,
 }
 
-impl Part<'_> {
-    fn neighbors(&self, i: usize) -> impl ExactSizeIterator<Item = usize> + '_ {
-        self.adjacency.row(self.nodes[i] as usize).iter().map(|&node| self.rank[node as usize] as usize)
+impl Part {
+    /// Collects the nodes that are joined with `first`, and numbers them.
+    fn around(first: usize, adjacency: &Adjacency, rank: &mut [u32]) -> Self {
+        let mut nodes = vec![first as u32];
+        rank[first] = 0;
+        let mut at = 0;
+        while let Some(&node) = nodes.get(at) {
+            at += 1;
+            for &other in adjacency.row(node as usize) {
+                if rank[other as usize] == u32::MAX {
+                    rank[other as usize] = nodes.len() as u32;
+                    nodes.push(other);
+                }
+            }
+        }
+        let mut offsets = vec![0];
+        let mut columns = Vec::new();
+        for &node in &nodes {
+            let from = columns.len();
+            columns.extend(adjacency.row(node as usize).iter().map(|&other| rank[other as usize]));
+            columns[from..].sort_unstable();
+            offsets.push(columns.len());
+        }
+        let neighbors = Adjacency::new(offsets, columns, nodes.len());
+        Self { neighbors: neighbors.expect("the rows are sorted and within the part"), nodes }
+    }
+
+    fn row(&self, i: usize) -> &[u32] {
+        self.neighbors.row(i)
     }
 
     /// Returns the places of the nodes, and the largest distance that was found.
@@ -89,12 +111,12 @@ impl Part<'_> {
         }
         let counts = distances.near_counts(n);
         let second: Vec<Vec<u32>> = (0..n).into_par_iter().map(|i| self.second_neighbors(i)).collect();
-        for _ in 0..SWEEPS {
+        for _ in 0..SWEEPS[usize::from(n > MANY_NODES)] {
             progress.check()?;
             let moved = |i: usize| {
                 let mut pull = Pull::new(places[i], i);
-                for j in self.neighbors(i) {
-                    pull.toward(places[j], 1.0, 1.0);
+                for &j in self.row(i) {
+                    pull.toward(places[j as usize], 1.0, 1.0);
                 }
                 for &j in &second[i] {
                     pull.toward(places[j as usize], 2.0, 0.25);
@@ -141,7 +163,7 @@ impl Part<'_> {
         let mut at = 0;
         while let Some(&i) = reached.get(at) {
             at += 1;
-            for j in self.neighbors(i) {
+            for j in self.row(i).iter().map(|&j| j as usize) {
                 if distances[j] == u32::MAX {
                     distances[j] = distances[i] + 1;
                     reached.push(j);
@@ -153,15 +175,13 @@ impl Part<'_> {
 
     /// Draws nodes that are two edges away.
     fn second_neighbors(&self, i: usize) -> Vec<u32> {
-        let row = self.adjacency.row(self.nodes[i] as usize);
+        let row = self.row(i);
         let draw = |k: u64, list: &[u32]| {
             let share = unit_number(k ^ ((i as u64) << 8));
             list[((share * list.len() as f64) as usize).min(list.len() - 1)]
         };
-        let drawn =
-            (0..SECOND_NEIGHBORS).map(|k| draw(2 * k + 1, self.adjacency.row(draw(2 * k, row) as usize)));
-        let is_second = |node: &u32| *node != self.nodes[i] && row.binary_search(node).is_err();
-        drawn.filter(is_second).map(|node| self.rank[node as usize]).collect()
+        let drawn = (0..SECOND_NEIGHBORS).map(|k| draw(2 * k + 1, self.row(draw(2 * k, row) as usize)));
+        drawn.filter(|&j| j as usize != i && row.binary_search(&j).is_err()).collect()
     }
 }
 
@@ -262,7 +282,7 @@ impl Pull {
 
     fn toward(&mut self, other: [f64; 2], distance: f64, weight: f64) {
         let away = [self.from[0] - other[0], self.from[1] - other[1]];
-        let length = away[0].hypot(away[1]);
+        let length = (away[0] * away[0] + away[1] * away[1]).sqrt();
         let direction = if length > 1e-9 {
             [away[0] / length, away[1] / length]
         } else {

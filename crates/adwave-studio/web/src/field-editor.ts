@@ -54,7 +54,9 @@ export class FieldEditor {
     this.show();
     void this.refine().catch(() => {});
     const nMissing = this.before.reduce((n, x) => n + Number(Number.isNaN(x)), 0);
-    if (classesOf(this.before)) studio.showMessage(text.fieldOfClasses(name));
+    // A degree is a count.
+    const isCount = studio.shape!.graph && name === 'degree';
+    if (classesOf(this.before) && !isCount) studio.showMessage(text.fieldOfClasses(name));
     else if (nMissing > 0) studio.showMessage(text.fieldWithGaps(name, formatCount(nMissing)));
     return true;
   }
