@@ -226,7 +226,9 @@ impl PivotDistances {
             }
         }
         let scale = if norm > 0.0 { product / norm } else { 1.0 };
-        places.iter_mut().for_each(|place| *place = place.map(|x| scale * x));
+        for place in &mut places {
+            *place = place.map(|x| scale * x);
+        }
         places
     }
 
@@ -262,7 +264,9 @@ fn principal_direction(matrix: &[Vec<f64>], other: Option<&[f64]>) -> Vec<f64> {
         if norm == 0.0 {
             return vec![0.0; matrix.len()];
         }
-        axis.iter_mut().for_each(|x| *x /= norm);
+        for x in &mut axis {
+            *x /= norm;
+        }
     }
     axis
 }

@@ -323,7 +323,8 @@ impl GridSession {
                 .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
             // A step that shares no factor with the sizes, so that the sample is no column and no single frame.
             let least = (values.len() / RANGE_SAMPLE).max(1);
-            let step = (least..).find(|step| common_divisor(*step, values.len()) == 1).unwrap_or(1);
+            let step =
+                (least..=values.len()).find(|step| common_divisor(*step, values.len()) == 1).unwrap_or(1);
             let mut sample: Vec<f64> =
                 (0..values.len()).step_by(step).filter(|&k| is_known(k)).map(|k| values[k]).collect();
             sample.sort_by(f64::total_cmp);

@@ -73,7 +73,7 @@ fn fields_of_a_graph_are_edited_as_the_command_does() {
     let path = ring(&folder);
     let studio = Studio::on(&path, folder.path());
     let values: Vec<f64> = (0..N).map(|k| (k as f64 / 5.0).sin() + 0.3 * (k as f64 * 2.1).sin()).collect();
-    let table: String = values.iter().map(|x| format!("{x}\n")).collect();
+    let table = values.iter().map(f64::to_string).collect::<Vec<_>>().join("\n");
     studio.ask("POST", "/api/shapes/1/fields?name=load.csv", table.as_bytes());
     let info = studio.get("/api/shapes/1").json();
     assert_eq!(field_names(&info), ["degree", "load"]);
