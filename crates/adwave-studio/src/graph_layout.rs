@@ -41,7 +41,7 @@ pub(crate) fn graph_layout(graph: &Graph, progress: Progress<'_>) -> Result<Grap
     let (mut parts, mut n_across) = (Vec::new(), 0);
     for first in 0..n {
         if rank[first] == u32::MAX {
-            let part = Part::around(first, graph.adjacency(), &mut rank);
+            let part = Part::collect(first, graph.adjacency(), &mut rank);
             let (places, across) = part.place(progress)?;
             n_across = n_across.max(across);
             parts.push((part.nodes, places));
@@ -65,7 +65,7 @@ struct PivotDistances {
 
 impl Part {
     /// Collects the nodes that are joined with `first`, and numbers them.
-    fn around(first: usize, adjacency: &Adjacency, rank: &mut [u32]) -> Self {
+    fn collect(first: usize, adjacency: &Adjacency, rank: &mut [u32]) -> Self {
         let mut nodes = vec![first as u32];
         rank[first] = 0;
         let mut at = 0;

@@ -134,6 +134,7 @@ export function brushPanel(studio: Studio): HTMLElement {
     radius.set(brush.radius);
     mode.set(studio.isBrushOn ? brush.mode : null);
   });
+  const lacksDetail = () => studio.target !== null || Boolean(studio.shape?.graph);
   const effects = (['smooth', 'enhance', 'flatten', 'match', 'clone', 'region'] as const).map((effect) =>
     h(
       'button',
@@ -142,6 +143,7 @@ export function brushPanel(studio: Studio): HTMLElement {
         'data-effect': effect,
         title: text.effectHints[effect],
         onclick: () => {
+          if (lacksDetail() && isOfShapes(effect)) return;
           brush.effect = effect;
           studio.setTool('brush');
         },
@@ -152,7 +154,6 @@ export function brushPanel(studio: Studio): HTMLElement {
   const effectHint = h('p', { class: 'hint' });
   const startPick = () => (brush.effect === 'clone' ? studio.pickCloneSource() : studio.detail.startPick());
   const pick = h('button', { type: 'button', onclick: startPick }, text.pickDetail);
-  const lacksDetail = () => studio.target !== null || Boolean(studio.shape?.graph);
   studio.on('tool', () => {
     for (const b of effects) {
       b.setAttribute('aria-pressed', String(studio.isBrushOn && b.dataset['effect'] === brush.effect));

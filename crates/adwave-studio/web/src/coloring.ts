@@ -351,13 +351,15 @@ export function coloring(studio: Studio): Coloring {
 
   /** Tells which field can be edited; one that is not shown any more is edited no longer. */
   function showEditable(name: string | null): void {
+    const isPlaced = studio.shape?.graph?.placed;
+    // A graph without positions has nothing else to edit.
+    if (isPlaced && name === null && studio.shownField !== null) return;
     const isOther = name !== studio.shownField;
     if (isOther) {
       studio.shownField = name;
       studio.emit('target');
     }
-    // A graph without positions has nothing else to edit.
-    const isEdited = studio.target !== null || (isOther && studio.shape?.graph?.placed);
+    const isEdited = studio.target !== null || (isOther && isPlaced);
     if (isEdited && studio.target !== name) void studio.setTarget(name);
   }
 

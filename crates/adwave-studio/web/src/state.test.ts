@@ -27,6 +27,7 @@ import {
   withLayer,
   withLayersOf,
   withLevels,
+  withoutPositions,
 } from './state';
 import { text } from './text';
 import { parseView, placeCamera, recallView, rememberView, uprightAxis } from './view-memory';
@@ -115,6 +116,18 @@ describe('the document', () => {
     history.preview(withGain(history.doc, layer.key, 1, 1));
     history.end();
     expect(history.nSteps).toBe(0);
+  });
+
+  test('a graph without positions keeps the edits of its fields alone', () => {
+    const doc = fromEdit(edit, 2);
+    const neutral = withoutPositions({ ...doc, clones: [], pose: null, turned: [] });
+    const history = new History(neutral, () => {}, withoutPositions);
+    history.commit(withGain(history.doc, history.doc.layers[0]!.key, 1, 3));
+    expect([history.nSteps, history.doc.layers[0]!.gains]).toEqual([0, [1, 1]]);
+    const layer = { ...newLayer('', 2), gains: [0.5, 1] };
+    history.commit({ ...withLayersOf(history.doc, 'load', [layer]), turned: [4] });
+    expect([history.nSteps, history.doc.turned]).toEqual([1, []]);
+    expect(layersOf(history.doc, 'load')![0]!.gains).toEqual([0.5, 1]);
   });
 
   test('a gesture is one step, and one that ends where it began is none', () => {

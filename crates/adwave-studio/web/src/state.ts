@@ -227,6 +227,14 @@ export function isNeutral(doc: Doc): boolean {
   return reshapedBy(doc) === null && doc.turned.length === 0 && hasNeutralLayers(doc);
 }
 
+/** The document without an edit of positions, for a graph that has none. */
+export function withoutPositions(doc: Doc): Doc {
+  const { layers, clones, pose, turned } = doc;
+  if (areNeutral(layers) && clones.length === 0 && pose === null && turned.length === 0) return doc;
+  const neutral = layers.map((layer) => ({ ...layer, gains: layer.gains.map(() => 1) }));
+  return { ...doc, layers: neutral, clones: clones.length > 0 ? [] : clones, pose: null, turned: NO_TURNED };
+}
+
 /** Clones and handles of the edit; `null` if there are none. */
 export function reshapedBy(doc: Pick<Doc, 'clones' | 'pose'>): ReshapedBy | null {
   const clones = activeClones(doc.clones);
@@ -297,6 +305,8 @@ export class History {
   constructor(
     doc: Doc,
     private readonly changed: (committed: boolean) => void,
+    /** Takes from a document what the shape cannot have. */
+    private readonly permitted: (doc: Doc) => Doc = (doc) => doc,
   ) {
     this.doc = doc;
   }
@@ -337,7 +347,8 @@ export class History {
   }
 
   /** Adds to the current gesture, which `end` turns into one step. */
-  preview(doc: Doc): void {
+  preview(wanted: Doc): void {
+    const doc = wanted === this.doc ? wanted : this.permitted(wanted);
     if (doc === this.doc) return;
     this.start ??= this.doc;
     this.doc = doc;

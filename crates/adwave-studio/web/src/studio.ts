@@ -32,6 +32,7 @@ import {
   withGain,
   withLayer,
   withLayersOf,
+  withoutPositions,
 } from './state';
 import { text } from './text';
 import { Timings } from './timings';
@@ -354,7 +355,11 @@ export class Studio {
 
   /** Replaces the document and clears the undo history. */
   resetDocument(doc: Doc): void {
-    this.history = new History(doc, (committed) => this.handleDocumentChange(committed));
+    this.history = new History(
+      doc,
+      (committed) => this.handleDocumentChange(committed),
+      this.shape?.graph?.placed ? withoutPositions : undefined,
+    );
     this.lastDoc = doc;
     this.selected = this.layers[0]!.key;
     this.masks.assignSlots(this.slottedLayers);
