@@ -1,5 +1,6 @@
 //! Editing of fields: bands of a field, and values after the layers of an edit.
 
+use crate::band_edit::BandEdit;
 use crate::prepared_shape::PreparedShape;
 use crate::region_weights::region_weights;
 use crate::response::{ApiError, ApiResult, bytes_response, encode_f32};
@@ -175,13 +176,17 @@ pub(crate) fn bands_response(session: &Session, name: &str, computed: Option<Fie
     if let Some(bands) = computed {
         prepared.set_field_bands(bands);
     }
-    match &prepared.field_bands {
-        Some(bands) if bands.is_for(name, &prepared.bands.levels) => Ok(bytes_response(bands.encode())),
-        _ => Err(ApiError::new(
-            axum::http::StatusCode::SERVICE_UNAVAILABLE,
-            "the levels were replaced while the bands of the field were computed; ask again",
-        )),
-    }
+    let stored = prepared.field_bands.take().filter(|bands| bands.is_for(name, &prepared.bands.levels));
+    let bands = if let Some(bands) = stored {
+        bands
+    } else {
+        // The levels were replaced while the bands were computed.
+        let BandEdit { decomposer, levels, .. } = &prepared.bands;
+        FieldBands::new(name, &session.file(), decomposer, levels, session.progress())?
+    };
+    let response = bytes_response(bands.encode());
+    prepared.field_bands = Some(bands);
+    Ok(response)
 }
 
 /// Responds with an edited field: as `f32 × n`, or as a file of values in double precision.

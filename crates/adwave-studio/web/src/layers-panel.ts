@@ -138,9 +138,14 @@ function constraints(studio: Studio): HTMLElement {
         set({ along: along === 'free' ? null : along }),
       ),
       select<Border>(text.border, text.borderChoices, doc.border ?? 'natural', (border) => set({ border })),
-      select<VolumeRule>(text.volumeRule, text.volumeChoices, doc.volume ?? 'free', (volume) =>
-        set({ volume }),
-      ),
+      // A rule that an edit has can be taken back on any shape.
+      ...(studio.shape?.volume == null && (doc.volume ?? 'free') === 'free'
+        ? []
+        : [
+            select<VolumeRule>(text.volumeRule, text.volumeChoices, doc.volume ?? 'free', (volume) =>
+              set({ volume }),
+            ),
+          ]),
     );
   };
   studio.on('shape', show);
