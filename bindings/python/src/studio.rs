@@ -28,6 +28,13 @@ fn studio<'py>(
     ready: &Bound<'py, PyAny>,
 ) -> PyResult<(String, Bound<'py, PyAny>)> {
     let content = shape.get();
+    if content.shape(py)?.points().is_none() {
+        // Edited positions are returned, and such a graph has edited fields alone.
+        return Err(error::value_error(
+            "the studio returns edited positions, and this graph has none; write it to a file and open that with \
+             `adwave studio`",
+        ));
+    }
     let path = Path::new(&content.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());

@@ -78,5 +78,5 @@ def test_ctrl_c_ends_it_and_gives_what_there_is(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_what_cannot_be_shown_is_said(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="no graphs or curves"):
+    with pytest.raises(ValueError, match="this graph has none"):
         aw.studio(aw.graph(3, [[0, 1], [1, 2]]), open_browser=False)

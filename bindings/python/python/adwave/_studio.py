@@ -43,7 +43,7 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
     Parameters
     ----------
     shape : shape_like
-        Anything that is a mesh or a cloud; see `Shape`.
+        A mesh, a cloud, or a graph with positions; see `Shape`.
     port : int
         Port of the server; 0 for any free one. For a notebook on another machine forward it:
         ``ssh -L PORT:127.0.0.1:PORT``.
