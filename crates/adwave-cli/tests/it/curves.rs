@@ -204,7 +204,6 @@ fn curves_are_denoised_drawn_and_measured() {
         "simplify line.obj -o q.obj --vertices 10",
         "match line.obj line.obj",
         "diff line.obj line.obj",
-        "studio line.obj --no-open",
         "convert line.obj c.ply",
         "filter line.obj -o k.obj --preset smooth --keep-volume",
         "filter line.obj -o k.obj --preset smooth --keep-creases",
