@@ -19,6 +19,7 @@ use adwave_io::{
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// Largest number of vertices; with eight bands a browser needs about 100 bytes per vertex.
@@ -55,6 +56,8 @@ pub(crate) struct Session {
     uneditable: Mutex<Option<Arc<HashSet<String>>>>,
     /// Places of the nodes of a graph without positions.
     layout: Option<GraphLayout>,
+    /// True while the field of the degree is the one that was added here, and no file's.
+    has_own_degree: AtomicBool,
     pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
     walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
@@ -89,7 +92,8 @@ impl Session {
                 let _ = add_values(&mut file, &shape, &stored);
             }
         }
-        if shape.is_graph() && shape.as_curve().is_none() {
+        let wants_degree = shape.is_graph() && shape.as_curve().is_none() && file.field(DEGREE).is_none();
+        if wants_degree {
             add_degree(&mut file, &shape)?;
         }
         Ok(Self {
@@ -98,6 +102,7 @@ impl Session {
             file: RwLock::new(Arc::new(file)),
             uneditable: Mutex::default(),
             layout,
+            has_own_degree: AtomicBool::new(wants_degree),
             center,
             triangles,
             walk_decomposer: OnceLock::new(),
@@ -175,6 +180,9 @@ impl Session {
         if let Some(autosave) = &self.workspace.autosave {
             autosave.write_field_file(name, content)?;
         }
+        if names.iter().any(|name| name == DEGREE) {
+            self.has_own_degree.store(false, Ordering::Relaxed);
+        }
         *self.file.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(file);
         *self.uneditable.lock().unwrap_or_else(PoisonError::into_inner) = None;
         if let Some(Ok(prepared)) = self.prepared.get() {
@@ -231,7 +239,7 @@ impl Session {
     pub(crate) fn saved_file(&self, prepared: &mut PreparedShape) -> Result<ShapeFile, ApiError> {
         let mut file = self.edited_file(prepared)?;
         prepared.replace_edited_fields(&mut file, self.progress())?;
-        if self.shape.is_graph()
+        if self.has_own_degree.load(Ordering::Relaxed)
             && !prepared.bands.document.changed_fields().iter().any(|name| name == DEGREE)
         {
             file.drop_added_fields(|name| name == DEGREE);
@@ -244,6 +252,7 @@ impl Session {
         let graph = self.shape.as_graph()?;
         let points = self.points();
         let n_edges = graph.adjacency().nnz() / 2;
+        // The diagonal of two points is their distance.
         let rows = points.iter().enumerate().map(|(u, point)| (point, graph.adjacency().row(u)));
         let lengths =
             rows.flat_map(|(point, row)| row.iter().map(|&v| diagonal(&[*point, points[v as usize]])));
@@ -343,11 +352,8 @@ fn layout_of(graph: &Graph, name: &str, at: &OpenedAt) -> Result<Option<GraphLay
     layout.map(Some).map_err(|e| StudioError::from_classified(&e))
 }
 
-/// Adds the degree of the nodes, the default signal of a graph, as a field unless the file has one of that name.
+/// Adds the degree of the nodes, the default signal of a graph, as a field.
 fn add_degree(file: &mut ShapeFile, shape: &Shape) -> Result<(), StudioError> {
-    if file.field(DEGREE).is_some() {
-        return Ok(());
-    }
     let source = SignalSource { file, shape, name: "the graph" };
     let degree = named_signal(source, DEGREE, None).map_err(|e| StudioError::from_classified(&e))?;
     let added = file.add_vertex_field(Field::new(DEGREE, 1, FieldValues::F64(degree.values.to_vec())));

@@ -115,8 +115,17 @@ fn fields_of_a_graph_are_edited_as_the_command_does() {
     let saved = read_path(&folder.path().join("out.graphml"), &ReadLimits::default()).unwrap();
     assert!(saved.field("degree").is_some());
 
+    // Values of a file of that name are the user's own, and are saved.
+    document["revision"] = json!(3);
+    document["fields"] = json!([]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    assert_eq!(studio.ask("POST", "/api/shapes/1/fields?name=degree.csv", table.as_bytes()).status, 200);
+    assert_eq!(studio.post("/api/shapes/1/save", &request).status, 200);
+    let saved = read_path(&folder.path().join("out.graphml"), &ReadLimits::default()).unwrap();
+    assert_eq!(saved.field("degree").unwrap().to_f64(), values);
+
     // Places are no positions.
-    let moved = edit(3, &[layer(&gains, &Value::Null)]);
+    let moved = edit(4, &[layer(&gains, &Value::Null)]);
     let refused = studio.put("/api/shapes/1/edit", &moved);
     assert_eq!(refused.status, 400);
     assert!(refused.error().contains("edited by its fields alone"), "{}", refused.error());

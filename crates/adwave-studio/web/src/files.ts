@@ -30,7 +30,7 @@ async function isTableOfValues(file: File, { n_vertices, graph }: Shape): Promis
   if (!/\.(csv|tsv|txt)$/i.test(file.name) || file.size > MOST_OF_TABLE) return false;
   const rows = (await file.text()).split('\n').filter((row) => row.trim() !== '');
   const names = (rows[0] ?? '').toLowerCase().split(/[\s,;]+/);
-  const hasNames = names.some((name) => name !== '' && Number.isNaN(Number(name)));
+  const hasNames = names.some((name) => !/^([-+]?nan)?$/.test(name) && Number.isNaN(Number(name)));
   if (rows.length !== n_vertices + Number(hasNames)) return false;
   return Boolean(graph) || (hasNames && !(names.includes('x') && names.includes('y')));
 }
