@@ -35,27 +35,34 @@ export interface FrameBar<F extends Frame = FieldName> {
   /** Stops playing, and shows the frame that is `by` frames later. */
   step(by: number): void;
   stop(): void;
+  /** Resolves once the latest frame that was asked for is shown. */
+  waitUntilShown(): Promise<void>;
 }
 
 /** Shows one frame at a time; of those asked for meanwhile, the latest follows unless it is cleared. */
 function latestOnly<F>(show: (frame: F, rest: boolean) => Promise<void>) {
   let wanted: [F, boolean] | null = null;
-  let busy = false;
+  let running: Promise<void> | null = null;
+  const run = async () => {
+    while (wanted) {
+      const next: [F, boolean] = wanted;
+      wanted = null;
+      await show(...next);
+    }
+    running = null;
+  };
   return {
     clear: () => {
       wanted = null;
     },
-    show: async (frame: F, rest: boolean): Promise<void> => {
+    /** Resolves once the frame is shown, at once if that of an earlier call is under way. */
+    show: (frame: F, rest: boolean): Promise<void> => {
       wanted = [frame, rest];
-      if (busy) return;
-      busy = true;
-      while (wanted) {
-        const next: [F, boolean] = wanted;
-        wanted = null;
-        await show(...next);
-      }
-      busy = false;
+      if (running) return Promise.resolve();
+      running = run();
+      return running;
     },
+    waitUntilShown: () => running ?? Promise.resolve(),
   };
 }
 
@@ -140,5 +147,6 @@ export function frameBar<F extends Frame>(show: (frame: F, rest: boolean) => Pro
     stop: () => {
       if (playing) setPlaying(false);
     },
+    waitUntilShown: latest.waitUntilShown,
   };
 }

@@ -66,6 +66,7 @@ export function installTestHooks(studio: Studio, ready: Promise<void>): void {
       return studio.fieldEditor.values;
     },
     planes: async () => {
+      await studio.gridView.frames.waitUntilShown();
       await studio.gridView.waitUntilSettled();
       return studio.gridView.editedPlanes;
     },
