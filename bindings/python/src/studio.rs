@@ -18,23 +18,15 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Serves the studio until the page is done or a signal raises; `ready` is called with the address and with the one for
-/// the browser. Returns the edit as
-/// a recipe, and the positions after it.
+/// the browser. Returns the edited shape, the recipe of its positions, and those of its fields by name.
 #[pyfunction]
-fn studio<'py>(
-    py: Python<'py>,
-    shape: &Bound<'py, ShapeData>,
+fn studio(
+    py: Python<'_>,
+    shape: &Bound<'_, ShapeData>,
     port: u16,
-    ready: &Bound<'py, PyAny>,
-) -> PyResult<(String, Bound<'py, PyAny>)> {
+    ready: &Bound<'_, PyAny>,
+) -> PyResult<(ShapeData, String, Vec<(String, String)>)> {
     let content = shape.get();
-    if content.shape(py)?.points().is_none() {
-        // Edited positions are returned, and such a graph has edited fields alone.
-        return Err(error::value_error(
-            "the studio returns edited positions, and this graph has none; write it to a file and open that with \
-             `adwave studio`",
-        ));
-    }
     let path = Path::new(&content.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
@@ -77,5 +69,7 @@ fn studio<'py>(
     let finished = outcome
         .map_err(|_| error::InternalError::new_err("internal error of the studio; please report it"))?
         .map_err(|e| error::to_exception(&e))?;
-    Ok((finished.recipe, crate::arrays::point_rows(py, finished.points)?.into_any()))
+    let edited = py.detach(|| finished.edited_file()).map_err(|e| error::to_exception(&e))?;
+    let edited = edited.map_or_else(|| content.file.clone(), |file| file);
+    Ok((content.with_file(edited), finished.recipe, finished.field_recipes))
 }

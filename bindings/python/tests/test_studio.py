@@ -10,7 +10,6 @@ import threading
 import urllib.request
 import webbrowser
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import adwave as aw
@@ -33,7 +32,7 @@ def asking(address: str) -> Callable[[str, str, Any], Any]:
 
 
 def while_it_runs(
-    work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch
+    work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch, shape: aw.Shape = SHAPE
 ) -> aw.StudioResult:
     """Result of the studio while `work` runs instead of the browser that it opens."""
     pages: queue.Queue[str] = queue.Queue()
@@ -52,7 +51,7 @@ def while_it_runs(
     thread = threading.Thread(target=do_work)
     thread.start()
     try:
-        return aw.studio(SHAPE)
+        return aw.studio(shape)
     finally:
         thread.join()
         if failed:
@@ -77,6 +76,36 @@ def test_ctrl_c_ends_it_and_gives_what_there_is(monkeypatch: pytest.MonkeyPatch)
     assert np.array_equal(edited.shape.points, SHAPE.points) and edited.recipe.text
 
 
-def test_what_cannot_be_shown_is_said(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="this graph has none"):
-        aw.studio(aw.graph(3, [[0, 1], [1, 2]]), open_browser=False)
+def test_fields_come_back_also_of_a_graph_without_positions(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(5)
+    n = 400
+    edges = np.array([[u, (u + step) % n] for u in range(n) for step in (1, 7)])
+    values = rng.normal(size=n)
+    graph = aw.graph(n, edges).with_field("level", values)
+
+    def work(ask: Callable[[str, str, Any], Any]) -> None:
+        n_levels = len(ask("GET", "api/shapes/1", None)["levels"])
+        layer = {"name": "all", "on": True, "opacity": 1.0, "gains": [0.0] + [1.0] * (n_levels - 1), "region": None}
+        ask("PUT", "api/shapes/1/edit", {"revision": 1, "layers": [], "fields": [{"field": "level", "layers": [layer]}]})
+        ask("POST", "api/done", {})
+
+    edited = while_it_runs(work, monkeypatch, graph)
+    assert edited.shape.kind == "graph" and list(edited.shape.fields) == ["level"]
+    assert list(edited.field_recipes) == ["level"]
+    level = edited.shape["level"]
+    assert not np.array_equal(level, values) and abs(level.mean() - values.mean()) < 0.1
+    assert np.array_equal(edited.field_recipes["level"].apply(graph)["level"], level)
+
+
+def test_turned_parts_come_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(ask: Callable[[str, str, Any], Any]) -> None:
+        ask("PUT", "api/shapes/1/edit", {"revision": 1, "layers": [], "turned": [0]})
+        ask("POST", "api/done", {})
+
+    edited = while_it_runs(work, monkeypatch)
+    assert np.array_equal(edited.shape.points, SHAPE.points)
+    assert edited.shape.faces is not None and SHAPE.faces is not None
+    # A turned triangle begins anywhere.
+    turned, before = np.asarray(edited.shape.faces), np.asarray(SHAPE.faces)[:, ::-1]
+    rotations = [np.roll(before, k, axis=1) for k in range(3)]
+    assert all(any(np.array_equal(turned[f], r[f]) for r in rotations) for f in range(len(turned)))

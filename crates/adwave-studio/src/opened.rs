@@ -5,6 +5,7 @@ use crate::grid_session::GridSession;
 use crate::response::ApiError;
 use crate::session::{Session, StudioInput};
 use crate::workspace::{OpenedAt, Workspace};
+use std::fmt;
 use std::sync::Arc;
 
 /// Open shape, or open image or volume.
@@ -12,6 +13,12 @@ use std::sync::Arc;
 pub(crate) enum Opened {
     Shape(Arc<Session>),
     Grid(Arc<GridSession>),
+}
+
+impl fmt::Debug for Opened {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Opened").field(&self.workspace().name).finish()
+    }
 }
 
 impl Opened {

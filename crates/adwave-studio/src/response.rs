@@ -64,6 +64,12 @@ impl From<StudioError> for ApiError {
     }
 }
 
+impl From<ApiError> for StudioError {
+    fn from(error: ApiError) -> Self {
+        Self::Method { kind: ErrorKind::Input, text: error.message }
+    }
+}
+
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
         let mut content = serde_json::json!({"error": self.message});

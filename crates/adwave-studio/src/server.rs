@@ -1,6 +1,7 @@
 //! Start, state and shutdown of the server.
 
 use crate::StudioError;
+use crate::band_edit::BandEdit;
 use crate::guard::{Guard, check_request};
 use crate::opened::Opened;
 use crate::report::Reports;
@@ -9,7 +10,7 @@ use crate::routes::router;
 use crate::session::{Session, StudioInput};
 use crate::workspace::OpenedAt;
 use adwave::Progress;
-use adwave_io::{Recipe, recipe_to_text};
+use adwave_io::{Recipe, ShapeFile, recipe_to_text};
 use axum::http::StatusCode;
 use axum::middleware;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -70,12 +71,51 @@ pub struct StudioAddress {
 /// Result of a studio session.
 #[derive(Clone, Debug)]
 pub struct StudioOutcome {
-    /// Edit as a recipe in TOML.
+    /// Edit of the positions, or of the values of an image or a volume, as a recipe in TOML.
     pub recipe: String,
-    /// Edited positions in model units, in the order of the vertices of the shape; none of an image or a volume.
-    pub points: Vec<[f64; 3]>,
+    /// Names of the edited fields, each with its edit as a recipe in TOML.
+    pub field_recipes: Vec<(String, String)>,
     /// True if the user ended the studio in the page, false if it was cancelled.
     pub is_done: bool,
+    first: Opened,
+}
+
+impl StudioOutcome {
+    fn new(first: Opened, is_done: bool) -> Self {
+        let mut field_recipes = Vec::new();
+        let recipe = match &first {
+            Opened::Shape(session) => session.lock_prepared().map_or_else(
+                |_| Recipe::default(),
+                |prepared| {
+                    let BandEdit { document, levels, decomposer, .. } = &prepared.bands;
+                    let operator = decomposer.operator_kind();
+                    field_recipes.extend(document.changed_fields().into_iter().map(|name| {
+                        let recipe = recipe_to_text(&document.to_field_recipe(&name, levels, operator));
+                        (name, recipe)
+                    }));
+                    document.to_recipe(levels, operator)
+                },
+            ),
+            Opened::Grid(session) => {
+                session.lock_bands().map_or_else(|_| Recipe::default(), |bands| bands.to_recipe())
+            }
+        };
+        Self { recipe: recipe_to_text(&recipe), field_recipes, is_done, first }
+    }
+
+    /// File of the shape after the edit: with its new positions and fields, turned parts, and the fields that were added;
+    /// as it was opened if its bands were not computed yet. `None` of an image or a volume. Costs as much as saving in the
+    /// page: a copy, and for each edited field its bands.
+    ///
+    /// # Errors
+    /// Returns a [`StudioError`] if a field that was edited has no bands any more.
+    pub fn edited_file(&self) -> Result<Option<ShapeFile>, StudioError> {
+        let Opened::Shape(session) = &self.first else { return Ok(None) };
+        let Ok(mut prepared) = session.lock_prepared() else {
+            return Ok(Some(ShapeFile::clone(&session.file())));
+        };
+        session.saved_file(&mut prepared).map(Some).map_err(StudioError::from)
+    }
 }
 
 /// State of the server: what is open, and its compute threads.
@@ -208,7 +248,10 @@ pub fn serve(
     studio.stop.store(!is_done, Ordering::Relaxed);
     runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
     outcome?;
-    Ok(collect_outcome(&first, is_done))
+    let outcome = StudioOutcome::new(first, is_done);
+    // What the outcome is asked for is computed.
+    studio.stop.store(false, Ordering::Relaxed);
+    Ok(outcome)
 }
 
 /// Returns when the user has ended the studio or `progress` is cancelled.
@@ -219,27 +262,6 @@ async fn wait_for_end(studio: &Studio, progress: Progress<'_>) {
             // Leaves time to send the response of the request that ended the studio.
             tokio::time::sleep(POLL_INTERVAL).await;
             return;
-        }
-    }
-}
-
-/// Collects the edit and the edited positions, or the original positions if the bands could not be computed. Images and
-/// volumes have no positions.
-fn collect_outcome(opened: &Opened, is_done: bool) -> StudioOutcome {
-    match opened {
-        Opened::Shape(session) => {
-            let (edit, points) = if let Ok(prepared) = session.lock_prepared() {
-                let bands = &prepared.bands;
-                let edit = bands.document.to_recipe(&bands.levels, bands.decomposer.operator_kind());
-                (edit, prepared.points.to_vec())
-            } else {
-                (Recipe::default(), session.points().to_vec())
-            };
-            StudioOutcome { recipe: recipe_to_text(&edit), points, is_done }
-        }
-        Opened::Grid(session) => {
-            let edit = session.lock_bands().map_or_else(|_| Recipe::default(), |bands| bands.to_recipe());
-            StudioOutcome { recipe: recipe_to_text(&edit), points: Vec::new(), is_done }
         }
     }
 }

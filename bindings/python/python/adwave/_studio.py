@@ -18,9 +18,12 @@ class StudioResult(NamedTuple):
     Attributes
     ----------
     shape : Shape
-        The shape after the edit, computed in double precision, with everything that its file had.
+        The shape after the edit, computed in double precision, with everything that its file had: new positions, new values of
+        edited fields, parts that were turned over, and fields that were added in the page.
     recipe : Recipe
-        The edit, to be repeated or applied to another shape.
+        The edit of the positions, to be repeated or applied to another shape.
+    field_recipes : dict of str to Recipe
+        The edit of each field that was edited, by its name.
 
     Examples
     --------
@@ -31,6 +34,7 @@ class StudioResult(NamedTuple):
 
     shape: Shape
     recipe: Recipe
+    field_recipes: dict[str, Recipe]
 
 
 @public()
@@ -43,7 +47,8 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
     Parameters
     ----------
     shape : shape_like
-        A mesh, a cloud, or a graph with positions; see `Shape`.
+        A mesh, a cloud, a curve or a graph; see `Shape`. A graph without positions is placed in the plane, and its fields are
+        edited.
     port : int
         Port of the server; 0 for any free one. For a notebook on another machine forward it:
         ``ssh -L PORT:127.0.0.1:PORT``.
@@ -53,12 +58,12 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
     Returns
     -------
     StudioResult
-        The shape after the edit, and the recipe.
+        The shape after the edit, the recipe of its positions, and those of its fields.
 
     Raises
     ------
     ValueError
-        If the shape has no positions, or is too large for a browser.
+        If the shape is too large for a browser.
 
     Notes
     -----
@@ -77,5 +82,6 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
             # It works once: the list of processes shows it to all users of the machine.
             webbrowser.open(address_for_browser)
 
-    recipe, points = _native.studio(own._data, port, ready)
-    return StudioResult(own.with_points(points), Recipe(recipe))
+    edited, recipe, field_recipes = _native.studio(own._data, port, ready)
+    by_field = {name: Recipe(text) for name, text in field_recipes}
+    return StudioResult(Shape._from_data(edited, own._lost), Recipe(recipe), by_field)

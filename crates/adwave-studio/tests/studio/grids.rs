@@ -131,7 +131,7 @@ fn levels_recipes_and_edits_are_kept_like_those_of_shapes() {
     assert_eq!(studio.get("/api/shapes/1").json()["resumed"], true);
     assert_eq!(studio.get("/api/shapes/1/edit").json()["layers"], answer["edit"]["layers"]);
     let outcome = studio.end();
-    assert!(outcome.points.is_empty());
+    assert!(outcome.edited_file().unwrap().is_none());
     assert_eq!(parse_recipe(&outcome.recipe).unwrap().levels, LevelSpec::Dyadic(3));
 }
 

@@ -1,12 +1,21 @@
 /**
- * Random use of the studio: clicks, drags, keys and reloads must leave nothing on the console and no memory behind.
+ * Random use of the studio: clicks, drags, keys, reloads, restarts of the server and second tabs must leave nothing on the
+ * console and no memory behind, and lose nothing.
  *
  * `STUDIO_SECONDS=600 STUDIO_SEED=1 npx playwright test --project=random`, with `STUDIO_SHAPE=FILE` on another shape, a graph, an
  * image or a volume.
  */
 
 import { expect, type Page, test } from '@playwright/test';
-import { randomNumbers, useTestBuild, waitUntilReady } from './support/page';
+import type { Edit } from '../src/protocol';
+import {
+  currentEdit,
+  randomNumbers,
+  setSlider,
+  useTestBuild,
+  waitUntilReady,
+  waitUntilSaved,
+} from './support/page';
 import { creature, killStudio, OUT, startStudio } from './support/studio-server';
 
 const N_SECONDS = Number(process.env['STUDIO_SECONDS'] ?? 60);
@@ -48,6 +57,16 @@ const heldMemory = (page: Page): Promise<number> =>
     ).measureUserAgentSpecificMemory();
     const own = breakdown.filter((part) => part.attribution.length > 0 || part.types.includes('DOM'));
     return Math.round(own.reduce((sum, part) => sum + part.bytes, 0) / 1e4) / 100;
+  });
+
+/** Edit of the only shape as the server has it, without the count of its changes; `null` if there are more shapes. */
+const storedEdit = (page: Page): Promise<Edit | null> =>
+  page.evaluate(async () => {
+    const headers = { Authorization: `Bearer ${sessionStorage.getItem('adwave-token')}` };
+    const { shapes } = await (await fetch('api/shapes', { headers })).json();
+    if (shapes.length > 1) return null;
+    const edit = await (await fetch(`api/shapes/${shapes[0].id}/edit`, { headers })).json();
+    return { ...edit, revision: 0 };
   });
 
 /** Opens the first shape with default levels and a neutral edit. */
@@ -224,26 +243,85 @@ function randomActions(page: Page, random: () => number): Record<string, () => P
 test('random use leaves no errors and no memory behind', async ({ browser }) => {
   const random = randomNumbers(SEED);
   const failures: string[] = [];
-  const server = await startStudio(SHAPE ?? creature(20_000), `${OUT}/random-${Date.now()}`);
+  const shape = SHAPE ?? creature(20_000);
+  const state = `${OUT}/random-${Date.now()}`;
+  let server = await startStudio(shape, state);
   try {
-    const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
-    await useTestBuild(page);
+    const context = await browser.newContext({ viewport: { width: 1200, height: 900 } });
+    await useTestBuild(context);
     // The browser requests an icon for the static file; the studio has none.
-    await page.route('**/favicon.ico', (route) => route.fulfill({ status: 204 }));
+    await context.route('**/favicon.ico', (route) => route.fulfill({ status: 204 }));
     let last = 'nothing';
     let loadedAt = Date.now();
-    page.on('console', (m) => {
-      if (m.type() === 'error') failures.push(`console: ${m.text()}`);
-    });
-    page.on('response', async (r) => {
-      if (r.status() < 400) return;
-      const seconds = ((Date.now() - loadedAt) / 1000).toFixed(1);
-      const body = (await r.text().catch(() => '')).slice(0, 200);
-      const request = `${r.request().method()} ${r.url()}: ${r.status()}`;
-      failures.push(`${request} after ${last}, ${seconds} s after loading: ${body}`);
-    });
-    page.on('pageerror', (e) => failures.push(`page: ${e.message}`));
-    page.on('dialog', (d) => d.dismiss());
+    // A tab whose edit is outdated gets the status 409 and asks.
+    let hasTwoTabs = false;
+    const watch = (tab: Page) => {
+      tab.on('console', (m) => {
+        const isAsking = hasTwoTabs && m.text().includes('409');
+        if (m.type() === 'error' && !isAsking) failures.push(`console: ${m.text()}`);
+      });
+      tab.on('response', async (r) => {
+        if (r.status() < 400 || (hasTwoTabs && r.status() === 409)) return;
+        const seconds = ((Date.now() - loadedAt) / 1000).toFixed(1);
+        const body = (await r.text().catch(() => '')).slice(0, 200);
+        const request = `${r.request().method()} ${r.url()}: ${r.status()}`;
+        failures.push(`${request} after ${last}, ${seconds} s after loading: ${body}`);
+      });
+      tab.on('pageerror', (e) => failures.push(`page: ${e.message}`));
+      tab.on('dialog', (d) => d.dismiss());
+    };
+    const page = await context.newPage();
+    watch(page);
+
+    /** Kills the server when all is saved, and starts it again: the edit must be there as it was. */
+    const restart = async () => {
+      await waitUntilSaved(page);
+      const before = await storedEdit(page);
+      if (before)
+        expect(before, 'what is shown is saved').toEqual({ ...(await currentEdit(page)), revision: 0 });
+      await page.goto('about:blank');
+      await killStudio(server);
+      server = await startStudio(shape, state);
+      await page.goto(server.url);
+      await waitUntilReady(page);
+      if (before) expect(await storedEdit(page), 'the edit after a restart').toEqual(before);
+    };
+
+    /** Edits in a second tab and then here: the page asks, and either edit is kept whole. */
+    const useSecondTab = async () => {
+      await waitUntilSaved(page);
+      const isPossible =
+        (await storedEdit(page)) && (await page.locator('.band input.gain:enabled').count()) > 0;
+      if (!isPossible) return;
+      hasTwoTabs = true;
+      const other = await context.newPage();
+      watch(other);
+      await other.goto(server.url);
+      await waitUntilReady(other);
+      const changeOther = async () => {
+        if ((await other.locator('.band input.gain:enabled').count()) === 0) return;
+        await setSlider(other, 0, 10 + Math.floor(150 * random()));
+        await waitUntilSaved(other);
+      };
+      await changeOther();
+      const theirs = await storedEdit(other);
+      await other.close();
+      await page.bringToFront();
+      await setSlider(page, 0, 10 + Math.floor(150 * random()));
+      const mine = await currentEdit(page);
+      const banner = page.getByRole('button', { name: 'Keep mine' });
+      await Promise.race([banner.waitFor(), waitUntilSaved(page)]);
+      if (await banner.isVisible()) {
+        const keepsMine = random() < 0.5;
+        await page.getByRole('button', { name: keepsMine ? 'Keep mine' : 'Take theirs' }).click();
+        await waitUntilSaved(page);
+        const kept = keepsMine ? { ...mine, revision: 0 } : theirs;
+        expect(await storedEdit(page), keepsMine ? 'mine is kept' : 'theirs is taken').toEqual(kept);
+        nAsked++;
+      }
+      hasTwoTabs = false;
+    };
+    let nAsked = 0;
 
     await page.goto(server.url);
     await waitUntilReady(page);
@@ -265,18 +343,23 @@ test('random use leaves no errors and no memory behind', async ({ browser }) => 
       if (random() < 0.01) {
         await page.keyboard.press('Escape');
         used.push(await heldMemory(page));
-        await page.reload();
+        const event = (['reload', 'restart', 'tabs'] as const)[Math.floor(3 * random())]!;
+        last = event;
+        counts[event] = (counts[event] ?? 0) + 1;
+        if (event === 'restart') await restart();
+        else if (event === 'tabs') await useSecondTab();
+        else {
+          await page.reload();
+          await waitUntilReady(page);
+        }
         loadedAt = Date.now();
-        await waitUntilReady(page);
       }
     }
     await page.keyboard.press('Escape');
     used.push(await heldMemory(page));
     await openNeutral(page, server.url);
     const after = await heldMemory(page);
-    console.log(
-      JSON.stringify({ seconds: N_SECONDS, counts, reloads: used.length - 1, before, used, after }),
-    );
+    console.log(JSON.stringify({ seconds: N_SECONDS, counts, asked: nAsked, before, used, after }));
     expect([...new Set(failures)]).toEqual([]);
     expect(Math.abs(after - before), `memory: ${before} MB before, ${after} MB after`).toBeLessThanOrEqual(
       MAX_LEAK * before,
