@@ -86,7 +86,9 @@ def test_fields_come_back_also_of_a_graph_without_positions(monkeypatch: pytest.
     def work(ask: Callable[[str, str, Any], Any]) -> None:
         n_levels = len(ask("GET", "api/shapes/1", None)["levels"])
         layer = {"name": "all", "on": True, "opacity": 1.0, "gains": [0.0] + [1.0] * (n_levels - 1), "region": None}
-        ask("PUT", "api/shapes/1/edit", {"revision": 1, "layers": [], "fields": [{"field": "level", "layers": [layer]}]})
+        ask(
+            "PUT", "api/shapes/1/edit", {"revision": 1, "layers": [], "fields": [{"field": "level", "layers": [layer]}]}
+        )
         ask("POST", "api/done", {})
 
     edited = while_it_runs(work, monkeypatch, graph)

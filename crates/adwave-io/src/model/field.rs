@@ -372,19 +372,23 @@ impl Field {
         Self { labels, ..self }
     }
 
-    /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions,
-    /// and the least of 255, 65535 and the greatest value that no value exceeds. O(values).
+    /// Value of a color channel at full intensity: the largest number of 8 or 16 bits, where words that are all at most
+    /// 255 are bytes, as many scanners write them into LAS files; for other types 1 for fractions, and the least of 255,
+    /// 65535 and the greatest value that no value exceeds. O(values).
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues};
     /// assert_eq!(Field::new("color", 3, FieldValues::U8(vec![1, 0, 1])).full_intensity(), 255.0);
+    /// assert_eq!(Field::new("color", 3, FieldValues::U16(vec![300, 0, 1])).full_intensity(), 65535.0);
+    /// assert_eq!(Field::new("color", 3, FieldValues::U16(vec![255, 0, 1])).full_intensity(), 255.0);
     /// assert_eq!(Field::new("color", 3, FieldValues::F64(vec![1.0, 0.0, 0.5])).full_intensity(), 1.0);
     /// assert_eq!(Field::new("color", 3, FieldValues::F64(vec![128.0, 0.0, 64.0])).full_intensity(), 255.0);
     /// ```
     pub fn full_intensity(&self) -> f64 {
-        match self.values {
+        match &self.values {
             FieldValues::U8(_) => f64::from(u8::MAX),
-            FieldValues::U16(_) => f64::from(u16::MAX),
+            FieldValues::U16(words) if words.iter().any(|word| *word > 255) => f64::from(u16::MAX),
+            FieldValues::U16(_) => f64::from(u8::MAX),
             _ => {
                 let values = (0..self.len()).flat_map(|x| (0..self.n_channels).map(move |c| self.get(x, c)));
                 let greatest = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
