@@ -95,6 +95,22 @@ describe('regions and strokes', () => {
     expect(Math.max(...painter.mask(1)!)).toBe(0);
   });
 
+  test('a stroke outlives its layer, and its mask goes with the next edit', async () => {
+    const s = sheet(12);
+    for (const finish of ['cancel', 'end'] as const) {
+      const painter = new Painter(ground(s), s.positions, () => {});
+      painter.updateRegions([[0, { painted: [] }]]);
+      await painter.show(1, 0);
+      painter.stamp(1, [5, 6], { ...BRUSH, radius: 0.3, falloff: 0.1 });
+      painter.retainLayers(new Set());
+      expect(painter.stamp(1, [20], { ...BRUSH, radius: 0.3, falloff: 0.1 })).toBe(1);
+      if (finish === 'cancel') painter.cancel();
+      else expect(painter.end(1)).toEqual([5, 6, 20]);
+      painter.retainLayers(new Set());
+      expect(painter.mask(1)).toBeNull();
+    }
+  });
+
   test('only what faces the viewer is painted, as the region says it', async () => {
     const s = sheet(24, 0.15);
     const g = ground(s);

@@ -90,9 +90,10 @@ export class Painter {
     return this.undoBytes;
   }
 
-  /** Discards the masks of deleted layers. */
+  /** Discards the masks of deleted layers, except that of a stroke, which may still end or be given up. */
   retainLayers(keys: ReadonlySet<number>): void {
-    for (const key of this.masks.keys()) if (!keys.has(key)) this.masks.delete(key);
+    for (const key of this.masks.keys())
+      if (!keys.has(key) && key !== this.stroke?.key) this.masks.delete(key);
   }
 
   /** Updates the mask of a layer to `region`: by one stroke forward or back if possible, otherwise from scratch. */
