@@ -386,9 +386,8 @@ impl Field {
     /// ```
     pub fn full_intensity(&self) -> f64 {
         match &self.values {
-            FieldValues::U8(_) => f64::from(u8::MAX),
             FieldValues::U16(words) if words.iter().any(|word| *word > 255) => f64::from(u16::MAX),
-            FieldValues::U16(_) => f64::from(u8::MAX),
+            FieldValues::U8(_) | FieldValues::U16(_) => f64::from(u8::MAX),
             _ => {
                 let values = (0..self.len()).flat_map(|x| (0..self.n_channels).map(move |c| self.get(x, c)));
                 let greatest = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
