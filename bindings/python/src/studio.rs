@@ -14,18 +14,21 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studio, module)?)
 }
 
+/// Edited shape, the recipe of its positions, and those of its fields by name.
+type EditedShape = (ShapeData, String, Vec<(String, String)>);
+
 /// Time between two checks of signals.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Serves the studio until the page is done or a signal raises; `ready` is called with the address and with the one for
-/// the browser. Returns the edited shape, the recipe of its positions, and those of its fields by name.
+/// the browser.
 #[pyfunction]
 fn studio(
     py: Python<'_>,
     shape: &Bound<'_, ShapeData>,
     port: u16,
     ready: &Bound<'_, PyAny>,
-) -> PyResult<(ShapeData, String, Vec<(String, String)>)> {
+) -> PyResult<EditedShape> {
     let content = shape.get();
     let path = Path::new(&content.name);
     let path = path.is_file().then(|| path.to_path_buf());
@@ -70,6 +73,6 @@ fn studio(
         .map_err(|_| error::InternalError::new_err("internal error of the studio; please report it"))?
         .map_err(|e| error::to_exception(&e))?;
     let edited = py.detach(|| finished.edited_file()).map_err(|e| error::to_exception(&e))?;
-    let edited = edited.map_or_else(|| content.file.clone(), |file| file);
+    let edited = edited.unwrap_or_else(|| content.file.clone());
     Ok((content.with_file(edited), finished.recipe, finished.field_recipes))
 }
