@@ -53,6 +53,33 @@ fn pictures_have_the_size_and_ground_that_was_asked_for() {
 }
 
 #[test]
+fn colors_look_the_same_in_numbers_of_any_type() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let mut pictures = Vec::new();
+    // Bytes, bytes in words as scanners write them, words, and fractions.
+    for (kind, factor) in [("uchar", 1.0), ("ushort", 1.0), ("ushort", 257.0), ("float", 1.0 / 255.0)] {
+        let color = ["red", "green", "blue"].map(|name| format!("property {kind} {name}\n")).concat();
+        let row = |k: u32| {
+            let (x, y) = (k % 10, k / 10);
+            let [r, g, b] = [20 * x, 255 - 20 * y, 130].map(|byte| f64::from(byte) * factor);
+            format!("{x} {y} 0 {r} {g} {b}\n")
+        };
+        let rows: String = (0..100).map(row).collect();
+        let head = "ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\nproperty float z\n";
+        fs::write(path.join("a.ply"), format!("{head}{color}end_header\n{rows}")).unwrap();
+        json(path, "render a.ply --color color -o a.png --size 120x90");
+        pictures.push(fs::read(path.join("a.png")).unwrap());
+    }
+    json(path, "render a.ply --color plain -o a.png --size 120x90");
+    let plain = fs::read(path.join("a.png")).unwrap();
+    for (k, picture) in pictures.iter().enumerate() {
+        assert!(*picture == pictures[0], "type {k}");
+        assert!(*picture != plain, "type {k}");
+    }
+}
+
+#[test]
 fn a_place_can_be_looked_at_from_near() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -20,7 +20,7 @@ use adwave::Progress;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Graph, Shape, diagonal, picture_frame, triangulate};
 use adwave::signal::SurfaceSignal;
-use adwave_io::FieldValues;
+use adwave_io::{Field, FieldValues};
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Frame, Paint, Panel, Picture, Projection, RenderParams,
     SharedCamera, Surface, Tubes, Up, ValueRange, View, grid, render,
@@ -263,7 +263,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     } else if args.color.is_empty() && has_one_channel(&input) {
         vec![look(args, global, &input, default_signal(&input.file))?]
     } else if args.color.is_empty() {
-        let colors = input.file.field("color").and_then(|field| bytes(field.n_channels, &field.values));
+        let colors = input.file.field("color").and_then(bytes);
         vec![colors.map_or(Look::Plain, |values| Look::Colors { values, label: "color".to_owned() })]
     } else {
         args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
@@ -365,14 +365,14 @@ fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Re
     let label = name.rsplit('/').next().unwrap_or(name).to_owned();
     if let Some(field) = input.file.field(name)
         && (name == "color" || matches!(field.values, FieldValues::U8(_)))
-        && let Some(values) = bytes(field.n_channels, &field.values)
+        && let Some(values) = bytes(field)
     {
         return Ok(Look::Colors { values, label });
     }
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
     let Signal { n_channels, values, .. } = load_signal(global, input, name, texture)?;
     if name == "texture"
-        && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
+        && let Some(values) = bytes(&Field::new(name, n_channels, FieldValues::F64(values.to_vec())))
     {
         return Ok(Look::Colors { values, label });
     }
@@ -397,21 +397,14 @@ fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Re
     })
 }
 
-/// Red, green and blue in bytes, of bytes, of words, or of numbers in [0, 1] (or to 255 where some are above 1).
-fn bytes(n_channels: usize, values: &FieldValues) -> Option<Vec<[u8; 3]>> {
-    if n_channels < 3 {
+/// Red, green and blue in bytes; `None` of fewer than three channels.
+fn bytes(colors: &Field) -> Option<Vec<[u8; 3]>> {
+    if colors.n_channels < 3 {
         return None;
     }
-    let numbers = values.to_f64();
-    let scale = match values {
-        FieldValues::U16(words) if words.iter().any(|w| *w > 255) => 255.0 / 65535.0,
-        // Many scanners write bytes into the words of LAS.
-        FieldValues::U8(_) | FieldValues::U16(_) => 1.0,
-        _ if numbers.iter().any(|v| *v > 1.0) => 1.0,
-        _ => 255.0,
-    };
-    let byte = |v: f64| (scale * v).round().clamp(0.0, 255.0) as u8;
-    Some(numbers.chunks_exact(n_channels).map(|row| [byte(row[0]), byte(row[1]), byte(row[2])]).collect())
+    let scale = 255.0 / colors.full_intensity();
+    let byte = |x: usize, c: usize| (scale * colors.get(x, c)).round().clamp(0.0, 255.0) as u8;
+    Some((0..colors.len()).map(|x| [0, 1, 2].map(|c| byte(x, c))).collect())
 }
 
 fn draw(
