@@ -66,7 +66,13 @@ impl From<StudioError> for ApiError {
 
 impl From<ApiError> for StudioError {
     fn from(error: ApiError) -> Self {
-        Self::Method { kind: ErrorKind::Input, text: error.message }
+        let kind = match error.status {
+            StatusCode::PAYLOAD_TOO_LARGE => ErrorKind::Memory,
+            StatusCode::SERVICE_UNAVAILABLE => ErrorKind::Cancelled,
+            status if status.is_server_error() => ErrorKind::Machine,
+            _ => ErrorKind::Input,
+        };
+        Self::Method { kind, text: error.message }
     }
 }
 

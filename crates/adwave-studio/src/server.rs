@@ -108,12 +108,10 @@ impl StudioOutcome {
     /// page: a copy, and for each edited field its bands.
     ///
     /// # Errors
-    /// Returns a [`StudioError`] if a field that was edited has no bands any more.
+    /// Returns a [`StudioError`] if bands of an edited field cannot be computed again, or for want of memory.
     pub fn edited_file(&self) -> Result<Option<ShapeFile>, StudioError> {
         let Opened::Shape(session) = &self.first else { return Ok(None) };
-        let Ok(mut prepared) = session.lock_prepared() else {
-            return Ok(Some(ShapeFile::clone(&session.file())));
-        };
+        let Ok(mut prepared) = session.lock_prepared() else { return Ok(Some(session.unedited_file())) };
         session.saved_file(&mut prepared).map(Some).map_err(StudioError::from)
     }
 }
@@ -195,12 +193,12 @@ impl Studio {
     }
 }
 
-/// Runs the studio on a shape, an image or a volume until the user ends it or `progress` is cancelled; `ready` is called once with the
-/// address.
+/// Runs the studio on a shape, an image or a volume until the user ends it or `progress` is cancelled; `ready` is called
+/// once with the address.
 ///
 /// # Errors
-/// Returns a [`StudioError`] if the shape has no positions or is too large, if an image or a volume is a series or too
-/// large, or if no port is available.
+/// Returns a [`StudioError`] if the shape, the image or the volume is too large or is one that the studio does not show,
+/// or if no port is available.
 pub fn serve(
     input: StudioInput,
     params: &StudioParams,
@@ -249,7 +247,7 @@ pub fn serve(
     runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
     outcome?;
     let outcome = StudioOutcome::new(first, is_done);
-    // What the outcome is asked for is computed.
+    // The edited file may be asked for, which computes again.
     studio.stop.store(false, Ordering::Relaxed);
     Ok(outcome)
 }

@@ -239,12 +239,24 @@ impl Session {
     pub(crate) fn saved_file(&self, prepared: &mut PreparedShape) -> Result<ShapeFile, ApiError> {
         let mut file = self.edited_file(prepared)?;
         prepared.replace_edited_fields(&mut file, self.progress())?;
-        if self.has_own_degree.load(Ordering::Relaxed)
-            && !prepared.bands.document.changed_fields().iter().any(|name| name == DEGREE)
-        {
-            file.drop_added_fields(|name| name == DEGREE);
+        if !prepared.bands.document.changed_fields().iter().any(|name| name == DEGREE) {
+            self.drop_own_degree(&mut file);
         }
         Ok(file)
+    }
+
+    /// Returns the content of the file without the edit, for a session that ends before its bands are there.
+    pub(crate) fn unedited_file(&self) -> ShapeFile {
+        let mut file = ShapeFile::clone(&self.file());
+        self.drop_own_degree(&mut file);
+        file
+    }
+
+    /// Drops the degrees of nodes that the studio added to the fields.
+    fn drop_own_degree(&self, file: &mut ShapeFile) {
+        if self.has_own_degree.load(Ordering::Relaxed) {
+            file.drop_added_fields(|name| name == DEGREE);
+        }
     }
 
     /// Describes a graph or a curve, and the size of its picture; `None` for other shapes.

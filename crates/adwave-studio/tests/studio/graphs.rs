@@ -129,6 +129,37 @@ fn fields_of_a_graph_are_edited_as_the_command_does() {
     let refused = studio.put("/api/shapes/1/edit", &moved);
     assert_eq!(refused.status, 400);
     assert!(refused.error().contains("edited by its fields alone"), "{}", refused.error());
+
+    // The outcome is what is saved.
+    let outcome = studio.end();
+    let edited = outcome.edited_file().unwrap().unwrap();
+    assert_eq!(edited.field("degree").unwrap().to_f64(), values);
+    assert_eq!(edited.field("load").unwrap().to_f64(), values);
+    assert!(outcome.field_recipes.is_empty());
+}
+
+#[test]
+fn the_outcome_of_a_graph_has_its_edited_fields_and_no_others() {
+    let folder = TempDir::new().unwrap();
+    let path = ring(&folder);
+    // Ended before or after its bands are there, and not edited.
+    let outcome = Studio::on(&path, folder.path()).end();
+    assert!(outcome.edited_file().unwrap().unwrap().field_names().is_empty());
+
+    let studio = Studio::on(&path, folder.path());
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let ones = vec![1.0; n_levels];
+    let mut document = edit(1, &[layer(&ones, &Value::Null)]);
+    document["fields"] = json!([{"field": "degree", "layers": [layer(&vec![2.0; n_levels], &Value::Null)]}]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    let recipe = studio.get("/api/shapes/1/recipe?field=degree").text();
+    let saved = studio.get("/api/shapes/1/edited-field?name=degree&format=npy").body;
+    let outcome = studio.end();
+    assert_eq!(outcome.field_recipes, [("degree".to_owned(), recipe)]);
+    let edited = outcome.edited_file().unwrap().unwrap();
+    assert_eq!(edited.field_names(), ["degree"]);
+    let values = read_npy_bytes(&saved).unwrap().into_field("degree").to_f64();
+    assert_eq!(edited.field("degree").unwrap().to_f64(), values);
 }
 
 #[test]
