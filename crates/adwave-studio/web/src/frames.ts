@@ -44,12 +44,15 @@ function latestOnly<F>(show: (frame: F, rest: boolean) => Promise<void>) {
   let wanted: [F, boolean] | null = null;
   let running: Promise<void> | null = null;
   const run = async () => {
-    while (wanted) {
-      const next: [F, boolean] = wanted;
-      wanted = null;
-      await show(...next);
+    try {
+      while (wanted) {
+        const next: [F, boolean] = wanted;
+        wanted = null;
+        await show(...next);
+      }
+    } finally {
+      running = null;
     }
-    running = null;
   };
   return {
     clear: () => {
