@@ -155,19 +155,26 @@ impl PreparedShape {
     }
 }
 
-/// Computes the bands of a field unless they are stored, without waiting for other requests of the shape.
+/// Returns the operator and the levels for the bands of a field; `None` if its bands are stored.
+pub(crate) fn unstored_levels(
+    session: &Session,
+    name: &str,
+) -> Result<Option<(Decomposer, LevelSpec)>, ApiError> {
+    let prepared = session.lock_prepared()?;
+    let BandEdit { decomposer, levels, .. } = &prepared.bands;
+    Ok((!prepared.has_field_bands(name)).then(|| (decomposer.clone(), levels.clone())))
+}
+
+/// Computes the bands of a field for the levels that are not stored, outside the shape's turn.
 pub(crate) fn compute_bands(
     session: &Session,
     name: &str,
+    levels: Option<(Decomposer, LevelSpec)>,
     progress: Progress<'_>,
 ) -> Result<Option<FieldBands>, ApiError> {
-    let prepared = session.lock_prepared()?;
-    if prepared.has_field_bands(name) {
-        return Ok(None);
-    }
-    let (decomposer, levels) = (prepared.bands.decomposer.clone(), prepared.bands.levels.clone());
-    drop(prepared);
-    FieldBands::new(name, &session.file(), &decomposer, &levels, progress).map(Some)
+    let compute =
+        |(decomposer, levels)| FieldBands::new(name, &session.file(), &decomposer, &levels, progress);
+    levels.map(compute).transpose()
 }
 
 /// Stores the bands of a field and responds with them.

@@ -217,6 +217,7 @@ impl GridSession {
 
     /// Locks the bands and the edit; the first call computes them and restores the edit of the last session.
     pub(crate) fn lock_bands(&self) -> Result<MutexGuard<'_, GridBands>, ApiError> {
+        self.workspace.expect_turn();
         let result = self.bands.get_or_init(|| {
             let stored = self.workspace.autosave.as_ref().and_then(Autosave::read);
             let resumed = stored.and_then(|(levels, document)| {

@@ -213,7 +213,7 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
         Shape(Box<PreparedShape>),
         Grid(Box<GridBands>),
     }
-    let compute = move |opened: &Opened, progress: Progress<'_>| {
+    let compute = move |opened: &Opened, (), progress: Progress<'_>| {
         let request: LevelsRequest = parse_body(&body, "choice of bands")?;
         Ok(match opened {
             Opened::Shape(session) => {
@@ -223,7 +223,7 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
             Opened::Grid(session) => Levels::Grid(Box::new(session.bands_of_request(&request, progress)?)),
         })
     };
-    run_cancellable(studio, id, compute, |opened, levels| match (opened, levels) {
+    run_cancellable(studio, id, Opened::prepare_levels, compute, |opened, levels| match (opened, levels) {
         (Opened::Shape(session), Levels::Shape(next)) => replace_levels(session, *next),
         (Opened::Grid(session), Levels::Grid(next)) => session.replace_levels(*next),
         _ => unreachable!("what is open stays what it is"),
@@ -419,11 +419,13 @@ async fn send_field_bands(
     Query(query): QueryParams,
 ) -> Response {
     let name = query.get("name").cloned().unwrap_or_default();
-    let wanted = name.clone();
-    let compute = move |opened: &Opened, progress: Progress<'_>| {
-        field_bands::compute_bands(&*opened.clone().into_shape()?, &wanted, progress)
+    let (wanted, computed) = (name.clone(), name.clone());
+    let snapshot =
+        move |opened: &Opened| field_bands::unstored_levels(&*opened.clone().into_shape()?, &wanted);
+    let compute = move |opened: &Opened, levels, progress: Progress<'_>| {
+        field_bands::compute_bands(&*opened.clone().into_shape()?, &computed, levels, progress)
     };
-    run_cancellable(studio, id, compute, move |opened, computed| {
+    run_cancellable(studio, id, snapshot, compute, move |opened, computed| {
         field_bands::bands_response(&*opened.clone().into_shape()?, &name, computed)
     })
     .await

@@ -83,6 +83,7 @@ pub struct StudioOutcome {
 impl StudioOutcome {
     fn new(first: Opened, is_done: bool) -> Self {
         let mut field_recipes = Vec::new();
+        let turn = first.workspace().wait_turn();
         let recipe = match &first {
             Opened::Shape(session) => session.lock_prepared().map_or_else(
                 |_| Recipe::default(),
@@ -100,6 +101,7 @@ impl StudioOutcome {
                 session.lock_bands().map_or_else(|_| Recipe::default(), |bands| bands.to_recipe())
             }
         };
+        drop(turn);
         Self { recipe: recipe_to_text(&recipe), field_recipes, is_done, first }
     }
 
@@ -111,6 +113,7 @@ impl StudioOutcome {
     /// Returns a [`StudioError`] if bands of an edited field cannot be computed again, or for want of memory.
     pub fn edited_file(&self) -> Result<Option<ShapeFile>, StudioError> {
         let Opened::Shape(session) = &self.first else { return Ok(None) };
+        let _turn = session.workspace.wait_turn();
         let Ok(mut prepared) = session.lock_prepared() else { return Ok(Some(session.unedited_file())) };
         session.saved_file(&mut prepared).map(Some).map_err(StudioError::from)
     }

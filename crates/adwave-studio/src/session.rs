@@ -128,6 +128,7 @@ impl Session {
     /// Returns the diffusion of the walk operator, whose steps define the levels; computed once.
     pub(crate) fn walk_decomposer(&self) -> Result<&Decomposer, ApiError> {
         let result = self.walk_decomposer.get_or_init(|| {
+            self.workspace.expect_turn();
             build_decomposer(&self.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
         });
         result.as_ref().map_err(|e| ApiError::from_classified(&**e))
@@ -135,6 +136,7 @@ impl Session {
 
     /// Locks the bands and the edit; the first call computes them and restores the edit of the last session.
     pub(crate) fn lock_prepared(&self) -> Result<MutexGuard<'_, PreparedShape>, ApiError> {
+        self.workspace.expect_turn();
         let walk = self.walk_decomposer()?;
         let result = self.prepared.get_or_init(|| {
             let unedited = || self.prepare(walk, default_levels(walk), self.progress());

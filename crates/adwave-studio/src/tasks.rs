@@ -76,12 +76,14 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// Computes bands without blocking other requests of the shape, then installs them in the shape's turn. The computation
-/// is cancelled if the page is closed or drops the request.
-pub(crate) async fn run_cancellable<T: Send>(
+/// Computes bands without blocking other requests of the shape, then installs them in the shape's turn: `snapshot` copies
+/// the input in a turn before, and `compute` must lock nothing. The computation is cancelled if the page is closed or
+/// drops the request.
+pub(crate) async fn run_cancellable<S: Send, T: Send>(
     studio: Arc<Studio>,
     id: u64,
-    compute: impl FnOnce(&Opened, Progress<'_>) -> Result<T, ApiError> + Send + 'static,
+    snapshot: impl FnOnce(&Opened) -> Result<S, ApiError> + Send + 'static,
+    compute: impl FnOnce(&Opened, S, Progress<'_>) -> Result<T, ApiError> + Send + 'static,
     install: impl FnOnce(&Opened, T) -> ApiResult + Send + 'static,
 ) -> Response {
     let cancel = Arc::new(AtomicBool::new(false));
@@ -89,7 +91,7 @@ pub(crate) async fn run_cancellable<T: Send>(
     run_blocking(studio, move |studio| {
         let opened = studio.opened(id)?;
         let first_turn = opened.workspace().wait_turn();
-        studio.pool.install(|| opened.prepare_levels())?;
+        let input = studio.pool.install(|| snapshot(&opened))?;
         drop(first_turn);
         // A shutdown cancels too.
         let pass_on = |_: u64, _: u64| {
@@ -98,7 +100,7 @@ pub(crate) async fn run_cancellable<T: Send>(
             }
         };
         let progress = Progress::none().with_cancel(&cancel).with_report(&pass_on);
-        let result = studio.pool.install(|| compute(&opened, progress))?;
+        let result = studio.pool.install(|| compute(&opened, input, progress))?;
         let _turn = opened.workspace().wait_turn();
         if cancel.load(Ordering::Relaxed) {
             return Err(ApiError::new(

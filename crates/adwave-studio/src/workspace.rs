@@ -67,6 +67,12 @@ impl Workspace {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Panics in debug builds if a compute thread is about to lock state of this session while nobody has the turn.
+    pub(crate) fn expect_turn(&self) {
+        let is_outside = || rayon::current_thread_index().is_none();
+        debug_assert!(is_outside() || self.turn.try_lock().is_err(), "a request locks the edit in its turn");
+    }
+
     /// Stores the edit for the next session.
     pub(crate) fn store_edit(&self, levels: &LevelSpec, document: &Document) -> Result<(), ApiError> {
         match &self.autosave {
