@@ -281,9 +281,13 @@ impl Domain for Grid {
     }
 
     fn positions(&self) -> &[[f64; 3]] {
-        self.positions.get_or_init(|| {
-            parallel::collect(self.n_places(), |place| self.position_at(self.coordinates(place)))
-        })
+        if let Some(positions) = self.positions.get() {
+            return positions;
+        }
+        // Not inside the closure: a thread that waits there for others could take over work that asks for the positions.
+        // If two threads arrive here at once, one of them works in vain.
+        let positions = parallel::collect(self.n_places(), |place| self.position_at(self.coordinates(place)));
+        self.positions.get_or_init(|| positions)
     }
 
     fn n_positions(&self) -> usize {
