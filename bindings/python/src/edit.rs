@@ -17,6 +17,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -245,7 +246,7 @@ impl EditorData {
         layers: Vec<PlainLayer<'py>>,
         out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut editor = self.editor.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let n_levels = editor.wavelets().n_levels();
         let weighted = weighted_layers(py, &layers, n_levels, editor.decomposer(), self.shape.get())?;
         let n = editor.decomposer().n_vertices();
@@ -273,7 +274,7 @@ impl EditorData {
         py: Python<'py>,
         recipe: &Bound<'py, RecipeData>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut editor = self.editor.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let (editor, shape) = (&mut *editor, self.shape.get());
         let names = shape.field_names();
         let given = &recipe.get().recipe;

@@ -179,6 +179,34 @@ def test_ctrl_c_ends_every_long_call(name: str) -> None:
     assert float(found.stdout) < 1.0
 
 
+THREADS = """
+import threading
+import numpy as np
+import adwave as aw
+shape = aw.sample("torus", vertices=200_000)
+# Two vertices at one place: the bands are those of their points, and an editor is kept for them.
+bands = aw.decompose(aw.Shape(np.vstack([shape.points, shape.points[:9]]), shape.faces), levels=4)
+expected = [bands.apply([1, g, 1, 1]) for g in range(3)]
+def edit(k):
+    for i in range(8):
+        g = (k + i) % 3
+        assert np.array_equal(bands.apply([1, g, 1, 1]), expected[g])
+    print("edited")
+threads = [threading.Thread(target=edit, args=(k,)) for k in range(3)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+"""
+
+
+def test_threads_share_bands() -> None:
+    # A thread that waited for another with the interpreter held would wait forever.
+    words = [sys.executable, "-c", THREADS]
+    found = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
+    assert found.stdout.split() == ["edited"] * 3, found.stderr
+
+
 def test_the_same_methods_for_all_that_has_bands() -> None:
     values = f
     graph = aw.graph(len(V), [[i, (i + 1) % len(V)] for i in range(len(V))])
