@@ -17,8 +17,8 @@ in vec3 vNormal;
 out vec4 color;
 void main() {
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
-  float side = 1.0;
-  if (cloud ? n.z < 0.0 : !gl_FrontFacing) { n = -n; side = cloud ? 1.0 : 0.62; }
+  vec3 side = vec3(1.0);
+  if (cloud ? n.z < 0.0 : !gl_FrontFacing) { n = -n; if (!cloud) side = vec3(0.5, 0.61, 0.8); }
   float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
   float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
   color = vec4(surface * side * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y), 1.0);

@@ -16,8 +16,10 @@ const DIRECTIONS: Record<ViewName, [number, number, number]> = {
 };
 
 const FIELD_OF_VIEW = 30;
-/** Size of the picture of a flat shape, relative to the shape. */
-const FLAT_MARGIN = 1.25;
+/** Part of the picture's width or height that a framed shape takes. */
+const FILL = 0.92;
+/** Least distance from the eye to a framed shape, relative to the depth of its nearest vertex before the pivot. */
+const CLEARANCE = 1;
 /** Smallest distance from the pivot in mean lengths of an edge, at which a part of one fills the picture. */
 const CLOSEST = 0.5;
 
@@ -53,8 +55,10 @@ export class Camera {
   clip: ClipEquation | null = null;
   distance = 1;
   trackball = false;
-  /** Half the width and height of a shape that is flat and looked at from above, of which a turn moves the picture. */
-  flat: readonly [number, number] | null = null;
+  /** True for a shape that is flat and looked at from above, of which a turn moves the picture. */
+  isFlat = false;
+  /** Vertices (x, y, z, …) that a frame holds; `null` frames the sphere. */
+  outline: Float32Array | null = null;
   /** Upright axis. */
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
@@ -129,21 +133,38 @@ export class Camera {
     return new Vector3(0, 1, 0).applyQuaternion(this.three.quaternion).toArray();
   }
 
+  /** Looks at the center from where the shape, or the spheres of two, fill the picture. */
   frame(): void {
     this.pivot.copy(this.center);
-    const half = (FIELD_OF_VIEW * Math.PI) / 360;
-    const narrow = Math.min(1, this.three.aspect);
-    this.distance = this.wholeRadius / Math.sin(Math.atan(Math.tan(half) * narrow));
-    if (this.flat && !this.company) {
-      const [x, y] = this.flat;
-      const needed = Math.max(y, x / this.three.aspect) / Math.tan(half);
-      this.distance = Math.min(this.distance, FLAT_MARGIN * needed) || this.distance;
-    }
+    const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    this.distance =
+      (this.company ? 0 : this.outlineDistance(FILL * half * this.three.aspect, FILL * half)) ||
+      this.wholeRadius / Math.sin(Math.atan(half * Math.min(1, this.three.aspect)));
     this.update();
   }
 
+  /** Distance from the center at which all of the outline is within slopes from the direction of view; 0 without one. */
+  private outlineDistance(slopeX: number, slopeY: number): number {
+    const [right, up, toward] = [this.right(), this.upward(), this.toward()];
+    const center = this.center.toArray();
+    const along = (axis: number[], x: number, y: number, z: number) =>
+      axis[0]! * x + axis[1]! * y + axis[2]! * z;
+    let distance = 0;
+    const p = this.outline ?? [];
+    for (let i = 0; i < p.length; i += 3) {
+      const [x, y, z] = [p[i]! - center[0]!, p[i + 1]! - center[1]!, p[i + 2]! - center[2]!];
+      const across = Math.max(
+        Math.abs(along(right, x, y, z)) / slopeX,
+        Math.abs(along(up, x, y, z)) / slopeY,
+      );
+      const depth = along(toward, x, y, z);
+      distance = Math.max(distance, depth + Math.max(across, CLEARANCE * depth));
+    }
+    return distance;
+  }
+
   look(name: ViewName): void {
-    if (this.flat) return;
+    if (this.isFlat) return;
     const direction = new Vector3(...DIRECTIONS[name]);
     if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
     this.lookFrom(direction);
@@ -161,8 +182,8 @@ export class Camera {
 
   /** Resets to the start view: front, slightly from above and from the side. */
   start(): void {
-    const direction = this.flat ? new Vector3(0, 0, 1) : new Vector3(0.45, 0.28, 1);
-    if (this.up === 'z' && !this.flat) direction.set(direction.x, -direction.z, direction.y);
+    const direction = this.isFlat ? new Vector3(0, 0, 1) : new Vector3(0.45, 0.28, 1);
+    if (this.up === 'z' && !this.isFlat) direction.set(direction.x, -direction.z, direction.y);
     this.lookFrom(direction);
     this.frame();
   }
@@ -203,7 +224,7 @@ export class Camera {
 
   /** Rotates by a pointer movement in pixels. */
   turn(dx: number, dy: number): void {
-    if (this.flat) {
+    if (this.isFlat) {
       this.pan(dx, dy);
       return;
     }
@@ -227,7 +248,7 @@ export class Camera {
   }
 
   roll(angle: number): void {
-    if (!this.trackball || this.flat) return;
+    if (!this.trackball || this.isFlat) return;
     this.three.quaternion.multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), angle));
     this.update();
   }

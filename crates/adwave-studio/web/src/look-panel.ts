@@ -286,8 +286,8 @@ function cameraControls(studio: Studio): HTMLElement[] {
     turning.set(view.camera.trackball ? 'trackball' : 'turntable');
     // A flat graph is seen from above alone.
     for (const button of [...cameraRow.children].slice(0, -1))
-      (button as HTMLElement).hidden = view.camera.flat !== null;
-    settings.hidden = view.camera.flat !== null;
+      (button as HTMLElement).hidden = view.camera.isFlat;
+    settings.hidden = view.camera.isFlat;
   });
   return [cameraRow, settings];
 }

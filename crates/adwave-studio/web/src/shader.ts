@@ -113,6 +113,9 @@ const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
   float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
   vec3 light = base * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y);`;
 
+/** Bluish and darker: the color of the back of a surface, relative to that of its front. */
+const BACK = 'vec3(0.5, 0.61, 0.8)';
+
 /** On a color map the tint is hatched, so that both are seen. */
 const HATCHED = '(0.1 + 0.75 * step(0.6, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0)))';
 
@@ -138,9 +141,13 @@ export function fragmentShader({
   const facing = flat
     ? '  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));'
     : '  vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);';
-  const side = { front: 'gl_FrontFacing ? 1.0 : 0.62', back: 'gl_FrontFacing ? 0.62 : 1.0', both: '1.0' }[
-    lit
-  ];
+  // The back has a color of its own; colors that mean something are only darker there.
+  const back = scalar || rgb ? 'vec3(0.62)' : BACK;
+  const side = {
+    front: `gl_FrontFacing ? vec3(1.0) : ${back}`,
+    back: `gl_FrontFacing ? ${back} : vec3(1.0)`,
+    both: 'vec3(1.0)',
+  }[lit];
   return `precision highp float;
 uniform vec3 surface;
 ${tint ? 'uniform vec3 accent;\nin float vTint;' : ''}

@@ -453,6 +453,33 @@ test('zooming stops in front of the surface under the pointer', () => {
   expect(camera.distance).toBeLessThan(0.01);
 });
 
+test('a frame is filled by the shape from every side, and a shape near the eye is not reached', () => {
+  const camera = new Camera();
+  // A long bar beside the origin.
+  const bar = Float32Array.from({ length: 900 }, (_, i) => [9, 1, 0.5][i % 3]! * (0.5 + Math.sin(i * i)));
+  camera.setBounds([4.5, 0.5, 0.25], 10);
+  camera.outline = bar;
+  camera.resize(400, 300);
+  for (const name of ['front', 'top', 'back'] as const) {
+    camera.look(name);
+    camera.frame();
+    const seen: { x: number; y: number }[] = [];
+    for (let i = 0; i < bar.length; i += 3) seen.push(camera.project(bar.subarray(i, i + 3) as never));
+    const across = Math.max(
+      ...seen.map(({ x, y }) => Math.max(Math.abs(x / 200 - 1), Math.abs(y / 150 - 1))),
+    );
+    expect(across).toBeCloseTo(0.92, 6);
+  }
+  // Along the bar the ends are 9 from the center: the eye stays as far before the near one.
+  camera.look('right');
+  camera.frame();
+  expect(camera.distance).toBeGreaterThan(17);
+  camera.outline = new Float32Array(3);
+  camera.setBounds([0, 0, 0], 0);
+  camera.frame();
+  expect(camera.distance).toBeGreaterThan(1);
+});
+
 describe('a view', () => {
   test('is remembered by shape, and begins upright by its format', () => {
     const items = new Map<string, string>();

@@ -152,7 +152,8 @@ export class View {
     const { low, high, center, radius } = boundsOf(positions);
     this.bounds = { low, high };
     this.camera.setBounds(center, radius, meanLength);
-    this.camera.flat = graph?.isFlat ? [(high[0]! - low[0]!) / 2, (high[1]! - low[1]!) / 2] : null;
+    this.camera.isFlat = graph?.isFlat ?? false;
+    this.camera.outline = positions;
     this.setClip(null);
     this.camera.start();
     this.request();
