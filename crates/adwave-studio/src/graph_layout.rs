@@ -33,7 +33,7 @@ pub(crate) struct GraphLayout {
     pub(crate) n_across: usize,
 }
 
-/// Places the nodes of a graph.
+/// Places the nodes of a graph; the steps of large parts are reported.
 pub(crate) fn graph_layout(graph: &Graph, progress: Progress<'_>) -> Result<GraphLayout, Cancelled> {
     let n = graph.n_nodes();
     // Number of each node within its part.
@@ -100,7 +100,13 @@ impl Part {
         if n == 1 {
             return Ok((vec![[0.0; 2]], 0));
         }
-        let distances = self.pivot_distances(progress)?;
+        let is_large = n > MANY_NODES;
+        let (n_pivots, n_sweeps) = (PIVOTS[usize::from(is_large)].min(n), SWEEPS[usize::from(is_large)]);
+        // There may be as many small parts as nodes, so that only large ones report.
+        let step = |done: usize| {
+            if is_large { progress.step(done as u64, (n_pivots + n_sweeps) as u64) } else { progress.check() }
+        };
+        let distances = self.pivot_distances(n_pivots, step)?;
         let across = distances.edges.iter().copied().max().unwrap_or(0) as usize;
         let mut places = distances.scaled_places(n);
         for (i, place) in places.iter_mut().enumerate() {
@@ -111,8 +117,8 @@ impl Part {
         }
         let counts = distances.near_counts(n);
         let second: Vec<Vec<u32>> = (0..n).into_par_iter().map(|i| self.second_neighbors(i)).collect();
-        for _ in 0..SWEEPS[usize::from(n > MANY_NODES)] {
-            progress.check()?;
+        for sweep in 0..n_sweeps {
+            step(n_pivots + sweep)?;
             let moved = |i: usize| {
                 let mut pull = Pull::new(places[i], i);
                 for &j in self.row(i) {
@@ -137,15 +143,18 @@ impl Part {
     }
 
     /// Chooses pivots, each as far as possible from those before, and measures the distances from them.
-    fn pivot_distances(&self, progress: Progress<'_>) -> Result<PivotDistances, Cancelled> {
+    fn pivot_distances(
+        &self,
+        n_pivots: usize,
+        step: impl Fn(usize) -> Result<(), Cancelled>,
+    ) -> Result<PivotDistances, Cancelled> {
         let n = self.nodes.len();
-        let n_pivots = PIVOTS[usize::from(n > MANY_NODES)].min(n);
         let mut nearest = vec![u32::MAX; n];
         let (mut pivots, mut edges) = (Vec::with_capacity(n_pivots), Vec::with_capacity(n_pivots * n));
         // The node farthest from the first one is at the edge of the picture.
         let mut next = farthest(&self.distances_from(0));
-        for _ in 0..n_pivots {
-            progress.check()?;
+        for pivot in 0..n_pivots {
+            step(pivot)?;
             let from = self.distances_from(next);
             nearest.iter_mut().zip(&from).for_each(|(least, edges)| *least = (*least).min(*edges));
             pivots.push(next as u32);

@@ -5,6 +5,7 @@ use crate::grid_session::GridSession;
 use crate::response::ApiError;
 use crate::session::{Session, StudioInput};
 use crate::workspace::{OpenedAt, Workspace};
+use adwave::Progress;
 use std::fmt;
 use std::sync::Arc;
 
@@ -22,10 +23,10 @@ impl fmt::Debug for Opened {
 }
 
 impl Opened {
-    pub(crate) fn new(input: StudioInput, at: OpenedAt) -> Result<Self, StudioError> {
+    pub(crate) fn new(input: StudioInput, at: OpenedAt, progress: Progress<'_>) -> Result<Self, StudioError> {
         Ok(match input.file.grid() {
             Some(_) => Self::Grid(Arc::new(GridSession::new(input, at)?)),
-            None => Self::Shape(Arc::new(Session::new(input, at)?)),
+            None => Self::Shape(Arc::new(Session::new(input, at, progress)?)),
         })
     }
 

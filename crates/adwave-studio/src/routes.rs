@@ -110,7 +110,7 @@ async fn upload_shape(State(studio): StudioState, Query(query): QueryParams, bod
         } else {
             file.to_shape().map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?
         };
-        let opened = studio.open(StudioInput { name: name.to_owned(), path: None, file, shape })?;
+        let opened = studio.open_made(StudioInput { name: name.to_owned(), path: None, file, shape })?;
         let Workspace { id, name, .. } = opened.workspace();
         json_response(&json!({"id": id, "name": name, "domain": opened.domain()}))
     };

@@ -156,14 +156,14 @@ impl Studio {
     }
 
     /// Opens a shape, an image or a volume, and starts computing its bands in the background.
-    pub(crate) fn open(&self, input: StudioInput) -> Result<Opened, StudioError> {
+    pub(crate) fn open(&self, input: StudioInput, progress: Progress<'_>) -> Result<Opened, StudioError> {
         let at = OpenedAt {
             id: self.next_id.fetch_add(1, Ordering::Relaxed),
             folder: self.folder.clone(),
             autosave_folder: self.autosave_folder.clone(),
             stop: Arc::clone(&self.stop),
         };
-        let opened = Opened::new(input, at)?;
+        let opened = Opened::new(input, at, progress)?;
         self.opened.write().unwrap_or_else(PoisonError::into_inner).push(opened.clone());
         let (background, pool) = (opened.clone(), Arc::clone(&self.pool));
         std::thread::spawn(move || {
@@ -171,6 +171,11 @@ impl Studio {
             pool.install(|| drop(background.prepare()));
         });
         Ok(opened)
+    }
+
+    /// Opens what was uploaded or computed; a shutdown cancels it.
+    pub(crate) fn open_made(&self, input: StudioInput) -> Result<Opened, StudioError> {
+        self.open(input, Progress::none().with_cancel(&self.stop))
     }
 
     pub(crate) fn close(&self, id: u64) {
@@ -197,7 +202,7 @@ impl Studio {
 }
 
 /// Runs the studio on a shape, an image or a volume until the user ends it or `progress` is cancelled; `ready` is called
-/// once with the address.
+/// once with the address. `progress` reports while the nodes of a large graph are placed, before that.
 ///
 /// # Errors
 /// Returns a [`StudioError`] if the shape, the image or the volume is too large or is one that the studio does not show,
@@ -230,7 +235,7 @@ pub fn serve(
         is_done: AtomicBool::new(false),
         stop: Arc::default(),
     });
-    let first = studio.open(input)?;
+    let first = studio.open(input, progress)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
     let app =
         router(Arc::clone(&studio)).layer(middleware::from_fn_with_state(Arc::clone(&guard), check_request));

@@ -67,13 +67,14 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    pub(crate) fn new(input: StudioInput, at: OpenedAt) -> Result<Self, StudioError> {
+    /// Opens a shape; `progress` reports while the nodes of a graph are placed.
+    pub(crate) fn new(input: StudioInput, at: OpenedAt, progress: Progress<'_>) -> Result<Self, StudioError> {
         let n = input.shape.n_vertices();
         if n > MAX_VERTICES {
             return Err(StudioError::TooLarge { name: input.name, n, max: MAX_VERTICES });
         }
         let layout = match &input.shape {
-            Shape::Graph(graph) => layout_of(graph, &input.name, &at)?,
+            Shape::Graph(graph) => layout_of(graph, &input.name, progress)?,
             _ => None,
         };
         let points = points_of(&input.shape, layout.as_ref());
@@ -352,7 +353,7 @@ fn points_of<'a>(shape: &'a Shape, layout: Option<&'a GraphLayout>) -> &'a [[f64
 }
 
 /// Places the nodes of a graph without positions.
-fn layout_of(graph: &Graph, name: &str, at: &OpenedAt) -> Result<Option<GraphLayout>, StudioError> {
+fn layout_of(graph: &Graph, name: &str, progress: Progress<'_>) -> Result<Option<GraphLayout>, StudioError> {
     let n = graph.adjacency().nnz() / 2;
     if n > MAX_EDGES {
         let problem =
@@ -362,7 +363,7 @@ fn layout_of(graph: &Graph, name: &str, at: &OpenedAt) -> Result<Option<GraphLay
     if graph.positions().is_some() {
         return Ok(None);
     }
-    let layout = graph_layout(graph, Progress::none().with_cancel(&at.stop));
+    let layout = graph_layout(graph, progress);
     layout.map(Some).map_err(|e| StudioError::from_classified(&e))
 }
 

@@ -78,7 +78,7 @@ pub(crate) async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let name = studio.unused_name(&session.workspace.name, "denoised");
         // Saved in the same folder, with an edit of its own.
-        let opened = studio.open(StudioInput { name, path: None, file, shape })?;
+        let opened = studio.open_made(StudioInput { name, path: None, file, shape })?;
         let Workspace { id, name, .. } = opened.workspace();
         json_response(&json!({"id": id, "name": name, "noise": clean.info.noise}))
     })

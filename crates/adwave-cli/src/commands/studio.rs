@@ -3,6 +3,7 @@
 use crate::args::{SelectionArgs, count, file_name, number, parse_named, to_path};
 use crate::error::CliError;
 use crate::global::{Global, HeapUse};
+use crate::output::progress::bar;
 use crate::output::{note, print, print_bytes};
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{SampleSize, ShapeSource, load_source};
@@ -94,7 +95,15 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let params = StudioParams::default().with_port(args.port).with_host(args.host);
     let mut browser = None;
     let mut printed = Ok(());
-    let finished = serve(opened, &params, global.progress(), |served: &StudioAddress| {
+    // Large graphs are placed first.
+    let bar = bar(global, "opening");
+    let report = |done: u64, total: u64| {
+        bar.set_length(total);
+        bar.set_position(done);
+    };
+    let progress = global.progress().with_report(&report);
+    let finished = serve(opened, &params, progress, |served: &StudioAddress| {
+        bar.finish_and_clear();
         let text = format!("{}\npress Ctrl-C to end\n", served.url);
         let json = json!({"address": served.url});
         // The address is the result, which nobody can guess.
