@@ -14,6 +14,7 @@ use serde_json::json;
 use std::net::IpAddr;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -95,15 +96,19 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let params = StudioParams::default().with_port(args.port).with_host(args.host);
     let mut browser = None;
     let mut printed = Ok(());
-    // Large graphs are placed first.
-    let bar = bar(global, "opening");
+    // The bar is made once a large graph is being placed: remarks about the input are printed before it, and not before a
+    // refusal.
+    let opening = OnceLock::new();
     let report = |done: u64, total: u64| {
+        let bar = opening.get_or_init(|| bar(global, "opening"));
         bar.set_length(total);
         bar.set_position(done);
     };
     let progress = global.progress().with_report(&report);
     let finished = serve(opened, &params, progress, |served: &StudioAddress| {
-        bar.finish_and_clear();
+        if let Some(bar) = opening.get() {
+            bar.finish_and_clear();
+        }
         let text = format!("{}\npress Ctrl-C to end\n", served.url);
         let json = json!({"address": served.url});
         // The address is the result, which nobody can guess.
