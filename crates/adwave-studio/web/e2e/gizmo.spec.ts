@@ -128,7 +128,8 @@ test.describe
         await handle(page, 'Move the center').press(key);
         expect(((await region(page)) as { ball: Ball }).ball.center.vertex, key).not.toBe(was);
         await page.waitForTimeout(150);
-        expect(sign * ((await center())[side] - from[side]), key).toBeGreaterThan(1);
+        // The next vertex may be near in a slanted part of the surface.
+        expect(sign * ((await center())[side] - from[side]), key).toBeGreaterThan(0.2);
       }
       await waitUntilSaved(page);
       const all = await coverage(page);

@@ -111,10 +111,12 @@ test('a graph is placed in the plane, and its fields are edited', async ({ brows
 
   // A brush reaches along the edges, and undo takes the stroke back.
   await startPainting(page);
-  await drag(page, [
-    [x, y],
-    [x + 0.1 * size, y + 0.05 * size],
-  ]);
+  const along = (k: number): [number, number] => [x + 0.004 * size * k, y + 0.002 * size * k];
+  // Over more than a node.
+  await drag(
+    page,
+    Array.from({ length: 40 }, (_, k) => along(k)),
+  );
   await waitUntilSaved(page);
   const painted = await page.evaluate(async () => [...(await window.studio.mask())]);
   const n = painted.filter((w) => w > 0).length;
