@@ -18,8 +18,6 @@ const DIRECTIONS: Record<ViewName, [number, number, number]> = {
 const FIELD_OF_VIEW = 30;
 /** Part of the picture's width or height that a framed shape takes. */
 const FILL = 0.92;
-/** Least distance from the eye to a framed shape, relative to the depth of its nearest vertex before the pivot. */
-const CLEARANCE = 1;
 /** Smallest distance from the pivot in mean lengths of an edge, at which a part of one fills the picture. */
 const CLOSEST = 0.5;
 
@@ -158,7 +156,8 @@ export class Camera {
         Math.abs(along(up, x, y, z)) / slopeY,
       );
       const depth = along(toward, x, y, z);
-      distance = Math.max(distance, depth + Math.max(across, CLEARANCE * depth));
+      // The eye stays as far before the nearest vertex as that is before the pivot.
+      distance = Math.max(distance, depth + Math.max(across, depth));
     }
     return distance;
   }
