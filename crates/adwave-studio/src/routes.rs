@@ -43,6 +43,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/positions", get(send_positions))
         .route("/triangles", get(send_triangles))
         .route("/edges", get(send_edges))
+        .route("/name", get(send_name))
         .route("/surface", get(send_surface))
         .route("/parts", get(send_parts))
         .route("/levels", put(set_levels))
@@ -174,6 +175,17 @@ async fn send_edges(State(studio): StudioState, Path(id): Path<u64>) -> Response
                 bytes.copy_from_slice(&node.to_le_bytes());
             }
         })))
+    })
+    .await
+}
+
+/// Sends the name that the file has for a node.
+async fn send_name(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
+    run_inline(studio, id, move |session| {
+        let node: Option<usize> = query.get("vertex").and_then(|vertex| vertex.parse().ok());
+        let file = session.file();
+        let name = file.vertex_names().zip(node).and_then(|(names, node)| names.get(node));
+        json_response(name.ok_or_else(|| ApiError::bad_request("?vertex= must be a node with a name"))?)
     })
     .await
 }

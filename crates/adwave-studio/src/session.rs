@@ -276,7 +276,10 @@ impl Session {
         let size = if graph.is_curve() { CURVE_NODE } else { NODE };
         let spacing = if mean > 0.0 { room.min(size * mean) } else { room };
         let is_flat = points.iter().all(|point| point[2] == points[0][2]);
-        let described = json!({"n_edges": n_edges, "flat": is_flat, "placed": self.layout.is_some()});
+        let is_named = self.file().vertex_names().is_some();
+        let described = json!({
+            "n_edges": n_edges, "flat": is_flat, "placed": self.layout.is_some(), "named": is_named,
+        });
         Some((described, spacing))
     }
 

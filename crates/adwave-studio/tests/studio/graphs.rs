@@ -48,7 +48,7 @@ fn a_graph_without_positions_is_placed_by_its_edges() {
     let studio = Studio::on(&ring(&folder), folder.path());
     let info = studio.get("/api/shapes/1").json();
     assert_eq!(info["kind"], "graph");
-    assert_eq!(info["graph"], json!({"n_edges": N, "flat": true, "placed": true}));
+    assert_eq!(info["graph"], json!({"n_edges": N, "flat": true, "placed": true, "named": false}));
     // Nothing that is computed from positions is offered.
     assert_eq!(field_names(&info), ["degree"]);
     assert!(info["formats"].as_array().unwrap().contains(&json!("edgelist")), "{}", info["formats"]);
@@ -65,6 +65,24 @@ fn a_graph_without_positions_is_placed_by_its_edges() {
     drop(studio);
     let again = Studio::on(&ring(&folder), folder.path());
     assert_eq!(again.get("/api/shapes/1/positions").floats(), points);
+}
+
+#[test]
+fn names_of_nodes_are_told() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("genes.edgelist");
+    std::fs::write(&path, "MYC TP53\nTP53 \"EGFR\"\nMYC KRAS\n").unwrap();
+    let studio = Studio::on(&path, folder.path());
+    assert_eq!(studio.get("/api/shapes/1").json()["graph"]["named"], true);
+    let name = |query: &str| studio.ask("GET", &format!("/api/shapes/1/name{query}"), b"");
+    assert_eq!(name("?vertex=0").json(), "MYC");
+    assert_eq!(name("?vertex=2").json(), "\"EGFR\"");
+    for bad in ["", "?vertex=4", "?vertex=-1", "?vertex=x"] {
+        assert_eq!((name(bad).status, name(bad).error().contains("vertex")), (400, true), "{bad}");
+    }
+    // Numbers are no names.
+    let studio = Studio::on(&ring(&folder), folder.path());
+    assert_eq!(studio.ask("GET", "/api/shapes/1/name?vertex=0", b"").status, 400);
 }
 
 #[test]

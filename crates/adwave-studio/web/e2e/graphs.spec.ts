@@ -136,6 +136,21 @@ test('a graph is placed in the plane, and its fields are edited', async ({ brows
   await studio.end();
 });
 
+test('a click on a node tells its name', async ({ browser }) => {
+  const folder = filesFor('named');
+  // The hub of a star is placed in the middle.
+  const leaves = ['TP53', 'EGFR', 'KRAS', 'BRAF', 'PTEN', 'ALK'];
+  writeFileSync(join(folder, 'star.edgelist'), leaves.map((leaf) => `<b>MYC</b> ${leaf}\n`).join(''));
+  const studio = await openStudio(browser, 'named', join(folder, 'star.edgelist'));
+  const { page } = studio;
+  await waitForBands(page, 1);
+  const { x, y } = await pictureFrame(page);
+  await page.mouse.click(x, y);
+  await expect(page.locator('.card')).toContainText('<b>MYC</b> · Vertex 0');
+  await page.screenshot({ path: join(OUT, '65-graph-name.png') });
+  await studio.end();
+});
+
 test('a curve is smoothed, and saved as the command writes it', async ({ browser }) => {
   const folder = filesFor('curve');
   const studio = await openStudio(browser, 'curve', join(folder, 'wire.obj'));

@@ -167,6 +167,11 @@ export class Api {
     return (await this.fetch(path)).blob();
   }
 
+  /** Fetches the name that the file has for a node. */
+  name(id: number, node: number): Promise<string> {
+    return this.json(`shapes/${id}/name?vertex=${node}`);
+  }
+
   features(id: number): Promise<Feature[]> {
     return this.json(`shapes/${id}/features`);
   }

@@ -216,8 +216,14 @@ function featureControls(
       isPlaced ? '' : text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
       distance === null || isPlaced ? '' : text.distance(formatNumber(distance, 4)),
     ];
-    const facts = lines.filter((line) => line !== '').map((line) => h('div', {}, line));
-    showCard(facts, point, studio.shape!.n_triangles > 0 ? turnPartButton(studio, v) : null);
+    const shown = lines.filter((line) => line !== '').map((line) => h('div', {}, line));
+    showCard(shown, point, studio.shape!.n_triangles > 0 ? turnPartButton(studio, v) : null);
+    if (studio.shape!.graph?.named) {
+      studio.api.name(studio.shape!.id, v).then(
+        (name) => shown[0]!.prepend(h('b', {}, name), ' · '),
+        (e: Error) => studio.showMessage(e.message, 'error'),
+      );
+    }
   };
   return { controls: [featureBox, threshold], card };
 }

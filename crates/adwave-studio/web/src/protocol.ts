@@ -185,6 +185,8 @@ export interface GraphInfo {
   flat: boolean;
   /** True if the file has no positions: the server placed the nodes, and the fields alone can be edited. */
   placed: boolean;
+  /** True if the file has names for the nodes. */
+  named: boolean;
 }
 
 export interface Shape {
