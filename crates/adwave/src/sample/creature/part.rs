@@ -6,6 +6,9 @@ use super::skin::{Skin, SkinPoint};
 /// Axis length of a round cone that represents a ball, model units.
 const BALL_AXIS: f64 = 2e-4;
 
+/// Upper bound of the number of bones of a part.
+const MAX_BONES: usize = 32;
+
 /// Distance from the nearest bone within which bones share the position along the chain, model units.
 const BEND_BLEND: f64 = 0.015;
 
@@ -20,6 +23,8 @@ enum PartRole {
 #[derive(Clone, Debug)]
 struct Bone {
     cone: RoundCone,
+    /// Center and radius of a ball that contains the cone, model units.
+    ball: (V3, f64),
     flatten: Option<Flatten>,
     role: PartRole,
     /// Width of the fillet, model units.
@@ -29,6 +34,14 @@ struct Bone {
 }
 
 impl Bone {
+    /// True if [`distance`](Self::distance) is certainly at least `limit` at `p`.
+    fn is_as_far_as(&self, p: V3, limit: f64) -> bool {
+        let (center, radius) = self.ball;
+        // A flattened bone is nearer by its factor at most.
+        let reach = radius + limit * self.flatten.as_ref().map_or(1.0, |flatten| flatten.factor);
+        reach <= 0.0 || (p - center).norm_squared() > reach * reach
+    }
+
     fn distance(&self, p: V3) -> f64 {
         match &self.flatten {
             None => self.cone.distance(p),
@@ -70,10 +83,12 @@ impl BodyPart {
 
     /// Adds a round cone from ball (`a`, `ra`) to ball (`b`, `rb`).
     pub(super) fn bone(mut self, a: V3, ra: f64, b: V3, rb: f64, blend: f64) -> Self {
+        assert!(self.bones.len() < MAX_BONES, "a part has at most {MAX_BONES} bones");
         let cone = RoundCone::new(a, ra, b, rb);
         let arc = self.next_arc;
         self.next_arc += cone.length();
-        self.bones.push(Bone { cone, flatten: None, role: PartRole::Add, blend, arc });
+        let ball = (a.lerp(&b, 0.5), 0.5 * cone.length() + ra.max(rb));
+        self.bones.push(Bone { cone, ball, flatten: None, role: PartRole::Add, blend, arc });
         self.bounded()
     }
 
@@ -146,6 +161,11 @@ impl BodyPart {
     pub(super) fn distance(&self, p: V3) -> f64 {
         let mut total = f64::INFINITY;
         for bone in &self.bones {
+            // Beyond the width of the fillet a bone changes nothing.
+            let side = if bone.role == PartRole::Carve { -total } else { total };
+            if bone.is_as_far_as(p, side + bone.blend) {
+                continue;
+            }
             let distance = bone.distance(p);
             total = match bone.role {
                 PartRole::Carve => smooth_carve(total, distance, bone.blend),
@@ -166,11 +186,18 @@ impl BodyPart {
         if self.skin.is_empty() {
             return 0.0;
         }
-        let nearest = self.rods().map(|b| b.distance(p)).fold(f64::INFINITY, f64::min);
+        let mut distances = [f64::INFINITY; MAX_BONES];
+        let mut nearest = f64::INFINITY;
+        for (bone, distance) in self.rods().zip(&mut distances) {
+            if !bone.is_as_far_as(p, nearest + BEND_BLEND) {
+                *distance = bone.distance(p);
+                nearest = nearest.min(*distance);
+            }
+        }
         // On the inner side of a bend the two bones disagree; the blend keeps the pattern continuous there.
         let (mut along, mut weights) = (0.0, 0.0);
-        for bone in self.rods() {
-            let weight = smoothstep(BEND_BLEND, 0.0, bone.distance(p) - nearest);
+        for (bone, distance) in self.rods().zip(distances) {
+            let weight = smoothstep(BEND_BLEND, 0.0, distance - nearest);
             if weight > 0.0 {
                 along += weight * (bone.arc + bone.cone.fraction(p) * bone.cone.length());
                 weights += weight;

@@ -50,7 +50,7 @@ pub enum SurfacePartError {
         n_vertices: usize,
     },
     /// The vertex is no corner of a face.
-    #[error("vertex {vertex} must be a corner of a face; choose a vertex of the part")]
+    #[error("vertex {vertex} must be a corner of a face; choose the first vertex of a part of the surface")]
     NoFace {
         /// Vertex that was given.
         vertex: u32,
@@ -87,6 +87,9 @@ impl SurfaceParts {
     pub fn faces_of(&self, first_vertices: &[u32], faces: &Polygons) -> Result<Vec<bool>, SurfacePartError> {
         let mut is_chosen = vec![false; self.parts.len()];
         for &vertex in first_vertices {
+            if self.parts.is_empty() {
+                return Err(SurfacePartError::NoFace { vertex });
+            }
             let Some(&part) = self.of_vertex.get(vertex as usize) else {
                 return Err(SurfacePartError::OutOfRange { vertex, n_vertices: self.of_vertex.len() });
             };
