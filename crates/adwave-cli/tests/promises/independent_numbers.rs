@@ -181,14 +181,27 @@ fn distance_to_surface(p: &Point, triangles: &[[Point; 3]]) -> f64 {
 
 /// Greatest distance of samples of the triangles of one mesh from another.
 fn sampled_distance(from: &Mesh, to: &Mesh) -> f64 {
-    let triangles = to.triangles();
+    let length = |a: &Point, b: &Point| dot(&minus(a, b), &minus(a, b)).sqrt();
+    // A triangle reaches from its first corner as far as its longer side there.
+    let reach = |t: &[Point; 3]| length(&t[0], &t[1]).max(length(&t[0], &t[2]));
+    let triangles: Vec<([Point; 3], f64)> = to.triangles().into_iter().map(|t| (t, reach(&t))).collect();
     let mut greatest = 0.0_f64;
     for [a, b, c] in from.triangles() {
         for i in 0..=SAMPLES {
             for j in 0..=SAMPLES - i {
                 let (s, t) = (i as f64 / SAMPLES as f64, j as f64 / SAMPLES as f64);
                 let p = [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
-                greatest = greatest.max(distance_to_surface(&p, &triangles));
+                let mut least = f64::INFINITY;
+                for (triangle, reach) in &triangles {
+                    if length(&p, &triangle[0]) - reach < least {
+                        least = least.min(distance_to_triangle(&p, triangle));
+                    }
+                    // The point is nearer than the farthest one already.
+                    if least <= greatest {
+                        break;
+                    }
+                }
+                greatest = greatest.max(least);
             }
         }
     }
