@@ -268,7 +268,7 @@ impl EditorData {
         Ok(arrays::matrix(py, edited, self.n_channels)?.into_any())
     }
 
-    /// The signal with the layers of a recipe.
+    /// The signal with the layers of a recipe; [`RecipeData::reshape`] applies its clones and its pose.
     fn apply_recipe<'py>(
         &self,
         py: Python<'py>,
@@ -277,19 +277,7 @@ impl EditorData {
         let mut editor = self.editor.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let (editor, shape) = (&mut *editor, self.shape.get());
         let names = shape.field_names();
-        let given = &recipe.get().recipe;
-        if !given.turned.is_empty() {
-            return Err(value_error(
-                "recipe: 'turned' is applied by 'adwave filter --recipe' only; remove it",
-            ));
-        }
-        if given.pose.is_some() || !given.clones.is_empty() {
-            return Err(value_error(
-                "recipe: [[clone]] and [pose] are applied by 'adwave filter --recipe' only; remove them, and use clone_detail \
-                 and Shape.deformer",
-            ));
-        }
-        let layers = &given.layers;
+        let layers = &recipe.get().recipe.layers;
         let edited = run(py, editor.decomposer().n_vertices(), None, |progress| {
             let (n_levels, decomposer) = (editor.wavelets().n_levels(), editor.decomposer().clone());
             let lookup = |name: &str| shape.region_field(&decomposer, name);

@@ -1,6 +1,7 @@
 //! Conversion of errors to exceptions.
 
 use adwave::{ClassifiedError, ErrorKind};
+use adwave_deform::DeformError;
 use pyo3::exceptions::{
     PyFileNotFoundError, PyKeyboardInterrupt, PyMemoryError, PyOSError, PyPermissionError, PyRuntimeError,
     PyValueError,
@@ -54,6 +55,12 @@ impl std::error::Error for StageError {}
 impl ClassifiedError for StageError {
     fn kind(&self) -> ErrorKind {
         self.kind
+    }
+}
+
+impl From<DeformError> for StageError {
+    fn from(error: DeformError) -> Self {
+        Self { kind: error.kind(), text: error.to_string() }
     }
 }
 

@@ -1,12 +1,17 @@
 //! Recipes.
 
+use crate::arrays;
 use crate::call::run;
-use crate::error;
-use adwave::LevelSpec;
+use crate::error::{self, Stage, stage};
+use crate::prepared::Prepared;
+use crate::shape::ShapeData;
 use adwave::local_fit::LocalFit;
 use adwave::positions::MoveDirection;
-use adwave::region::Length;
+use adwave::region::{Length, Region};
+use adwave::shape::surface_parts;
+use adwave::{LevelSpec, Progress};
 use adwave_io::{Recipe, parse_recipe, recipe_to_text, write_recipe};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
@@ -38,6 +43,58 @@ impl RecipeData {
     #[getter]
     fn n_layers(&self) -> usize {
         self.recipe.layers.len()
+    }
+
+    /// True if there are clones of detail, or a pose with handles.
+    #[getter]
+    fn reshapes(&self) -> bool {
+        let bends = self.recipe.pose.as_ref().is_some_and(|pose| !pose.handles.is_empty());
+        bends || !self.recipe.clones.is_empty()
+    }
+
+    /// True if faces are turned over.
+    #[getter]
+    fn turns_faces(&self) -> bool {
+        !self.recipe.turned.is_empty()
+    }
+
+    /// Positions with the clones of the recipe, carried into its pose. `prepared` has the walk on the shape before all
+    /// edits.
+    #[pyo3(signature = (prepared, points, progress=None))]
+    fn reshape<'py>(
+        &self,
+        py: Python<'py>,
+        prepared: &Bound<'py, Prepared>,
+        points: PyReadonlyArray2<'py, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let points = arrays::points(&points, "points")?.to_vec();
+        let (decomposer, shape) = (&prepared.get().decomposer, prepared.get().shape.get());
+        let (names, recipe) = (shape.field_names(), &self.recipe);
+        let moved = run(py, decomposer.n_vertices(), progress.as_ref(), |p| {
+            let vertices = |region: &Region| -> Stage<Vec<u32>> {
+                let lookup = |name: &str| shape.region_field(decomposer, name);
+                let weights = stage(region.weights(decomposer.metric(), &lookup, &names, p))?;
+                let weights = weights.to_vertices(decomposer.vertex_map());
+                Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
+            };
+            let by = (recipe.clones.as_slice(), recipe.pose.as_ref());
+            adwave_deform::reshape(decomposer, by, points, vertices, p)
+        })?;
+        Ok(arrays::point_rows(py, moved)?.into_any())
+    }
+
+    /// The shape with the faces of the recipe's parts turned over.
+    fn turn_faces(&self, py: Python<'_>, prepared: &Bound<'_, Prepared>) -> PyResult<ShapeData> {
+        let (decomposer, shape) = (&prepared.get().decomposer, prepared.get().shape.get());
+        let first_vertices = &self.recipe.turned;
+        run(py, decomposer.n_vertices(), None, |p: Progress<'_>| -> Stage<_> {
+            let parts = stage(surface_parts(stage(decomposer.geometry_for("parts of a surface"))?, p))?;
+            let mut file = shape.file.clone();
+            let is_turned = stage(parts.faces_of(first_vertices, file.faces()))?;
+            stage(file.turn_faces(&is_turned))?;
+            Ok(shape.with_file(file))
+        })
     }
 
     /// The parts of the recipe except the layers.

@@ -123,6 +123,62 @@ def test_filters_give_the_bits_of_the_command(tmp_path: Path) -> None:
     assert aw.read_recipe(tmp_path / "again.toml").text == aw.read_recipe(recipe).text
 
 
+RESHAPED = """levels = 3
+turned = [0]
+[[layer]]
+preset = 'enhance'
+[[clone]]
+source = 100
+targets = [700, 720]
+radius = '6%'
+angle = 30.0
+strength = 0.5
+[pose]
+fixed = 'half-space:point=0 0 0,normal=0 0 -1'
+[[pose.handle]]
+region = 'ball:vertex=7,radius=10%'
+by = [0.1, 0.0, 0.2]
+turn = [0.0, 30.0, 0.0]
+"""
+
+
+@pytest.mark.parametrize("operator", ["walk", "surface"])
+def test_clones_poses_and_turned_parts_give_the_bits_of_the_command(tmp_path: Path, operator: str) -> None:
+    source, recipe, by_command = tmp_path / "a.ply", tmp_path / "edit.toml", tmp_path / "edited.ply"
+    CREATURE.with_field("normal", CREATURE.signal("normals")).write(source)
+    recipe.write_text(f"operator = '{operator}'\n{RESHAPED}")
+    command("filter", source, "--recipe", recipe, "-o", by_command)
+    edited = aw.read_recipe(recipe).apply(source)
+    edited.write(tmp_path / "own.ply")
+    assert (tmp_path / "own.ply").read_bytes() == by_command.read_bytes()
+    only = aw.Recipe(RESHAPED[RESHAPED.index("[[layer]]") : RESHAPED.index("[[clone]]")].join(["levels = 3\n", ""]))
+    assert not np.array_equal(only.apply(source).points, edited.points)
+    assert not np.array_equal(edited.faces, CREATURE.faces)
+    # Objects of other libraries keep their kind, unless their faces change.
+    bent = aw.Recipe(RESHAPED.replace("turned = [0]\n", ""))
+    points, faces = bent.apply((CREATURE.points, CREATURE.faces))
+    assert np.array_equal(points, bent.apply(CREATURE).points) and np.array_equal(faces, CREATURE.faces)
+    if operator == "walk":
+        assert np.array_equal(points, edited.points)
+    turned = aw.Recipe("turned = [0]").apply((CREATURE.points, CREATURE.faces))
+    assert isinstance(turned, aw.Shape) and np.array_equal(turned.points, CREATURE.points)
+
+
+def test_recipes_that_do_not_fit_are_refused() -> None:
+    shape = CREATURE.with_field("level", CREATURE.points[:, 0])
+    for text, options, said in (
+        (RESHAPED.replace("levels = 3", "field = 'level'"), {}, "'level'; remove"),
+        (RESHAPED, {"only": "level=0.."}, "leave mask= and only= out"),
+        (RESHAPED.replace("turned = [0]", "turned = [1]"), {}, "first"),
+        (RESHAPED.replace("source = 100", "source = 100000"), {}, "100000"),
+        (RESHAPED.replace("vertex=7", "vertex=70000"), {}, "70000"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            aw.Recipe(text).apply(shape, **options)
+    with pytest.raises(ValueError, match="shape"):
+        aw.Recipe("turned = [0]").apply(CREATURE.points)
+
+
 def test_recipes_are_made_of_layers() -> None:
     keep = aw.Constraints(border="keep")
     recipe = aw.Recipe.from_layers(

@@ -5,6 +5,7 @@
 //! | bend a shape by handles | [`Deformer`] |
 //! | bend a shape by the pose of a recipe | [`bind_pose`] |
 //! | blend several poses | [`blend_poses`] |
+//! | apply the clones and the pose of a recipe | [`reshape`] |
 //! | find where a bent shape crosses itself | [`new_crossings`] |
 //! | put detail onto a base that was edited elsewhere | [`with_base`], [`base_points`] |
 //! | put detail onto an edited level of subdivision | [`with_level`] |
@@ -62,7 +63,7 @@ pub use frames::{Turn, nearest_turn};
 pub use handle_motion::HandleMotion;
 pub use level_edit::{EditedLevel, with_level};
 pub use morph::morph;
-pub use pose::{bind_pose, blend_poses, set_pose};
+pub use pose::{bind_pose, blend_poses, reshape, set_pose};
 pub use regions::DeformRegions;
 pub use transfer::{Transferred, transfer, transfer_decomposer};
 pub use transplant::{DetailCloner, Stamp, Stamped, Transplant, Transplanted, transplant};

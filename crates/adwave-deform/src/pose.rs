@@ -1,12 +1,12 @@
 //! The deformation that a pose describes, as recipes and the studio store it.
 
 use crate::coarse_base::default_base;
-use crate::{DeformError, DeformParams, DeformRegions, Deformer, HandleMotion};
+use crate::{Clones, DeformError, DeformParams, DeformRegions, Deformer, HandleMotion};
 use adwave::bands::Schedule;
 use adwave::region::Region;
 use adwave::vector::{Vector, norm};
 use adwave::{Decomposer, Progress};
-use adwave_io::{Pose, PoseHandle};
+use adwave_io::{DetailClone, Pose, PoseHandle};
 
 /// Largest share of a pose in a blend.
 const MOST_SHARE: f64 = 1e6;
@@ -44,6 +44,32 @@ pub fn bind_pose<E: From<DeformError>>(
     let stiffness = pose.stiffness.map(|length| length.to_model_units(extent));
     let params = DeformParams { stiffness, keep_lengths: pose.keep_lengths };
     Ok(Deformer::bind(decomposer, &schedule, &regions, &params, progress)?)
+}
+
+/// Adds clones of detail to `points`, one position for each vertex of the shape, and carries the result into a pose.
+/// `decomposer` is that of the shape before all edits. `vertices` lists the vertices of a region.
+///
+/// # Errors
+/// Errors of [`Clones::set`], [`bind_pose`], [`set_pose`] and [`Deformer::solve`].
+pub fn reshape<E: From<DeformError>>(
+    decomposer: &Decomposer,
+    (clones, pose): (&[DetailClone], Option<&Pose>),
+    mut points: Vec<[f64; 3]>,
+    vertices: impl FnMut(&Region) -> Result<Vec<u32>, E>,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, E> {
+    if !clones.is_empty() {
+        let mut prepared = Clones::new(decomposer, progress)?;
+        prepared.set(clones, progress)?;
+        prepared.add_to(&mut points);
+    }
+    let Some(pose) = pose.filter(|pose| !pose.handles.is_empty()) else { return Ok(points) };
+    let mut deformer = bind_pose(decomposer, pose, None, vertices, progress)?;
+    set_pose(&mut deformer, pose)?;
+    deformer.solve(progress)?;
+    let mut posed = points.clone();
+    deformer.carried_into(&points, &mut posed);
+    Ok(posed)
 }
 
 /// Sets the motions of all handles of a pose.

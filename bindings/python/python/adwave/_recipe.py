@@ -13,9 +13,9 @@ from adwave import _native
 from adwave._decomposer import Decomposer, Layer, prepare_decomposer
 from adwave._edits import EditSettings, edit_shape
 from adwave._options import BandsRequest, Constraints, LevelsLike, Octaves, Operator, Steps, Widths, check_levels
-from adwave._part import read_part
-from adwave._progress import ProgressLike
-from adwave._shape import Path
+from adwave._part import Part, read_part
+from adwave._progress import ProgressLike, report_progress
+from adwave._shape import Path, Shape
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 
 class Recipe:
-    """An edit as text: levels, layers of gains and regions, and constraints on the new positions.
+    """An edit as text: levels, layers of gains and regions, constraints on the new positions, clones of detail, a pose, and
+    parts whose faces are turned over.
 
     Parameters
     ----------
@@ -81,7 +82,14 @@ class Recipe:
         Returns
         -------
         object like the shape
-            With new positions, or with the field changed: a `Shape` for a `Shape` or a path, a trimesh for a trimesh.
+            With new positions, or with the field changed: a `Shape` for a `Shape` or a path, a trimesh for a trimesh. A
+            `Shape` if the recipe turns faces over.
+
+        Raises
+        ------
+        ValueError
+            If the recipe does not fit the shape, or has clones, a pose or turned parts, which name vertices of the whole
+            shape, and ``mask=`` or ``only=`` is given.
         """
         content, levels = self._content, self.levels
         by_width = isinstance(levels, Widths)
@@ -91,6 +99,7 @@ class Recipe:
             keep_creases=content["keep_creases"],
         )
         part = read_part("Recipe.apply", shape, options, ("progress",))
+        self._check_whole(part)
         decomposer = prepare_decomposer(part.shape, operator)
         constraints = Constraints(along=content["along"], border=content["border"], volume=content["volume"])
 
@@ -99,7 +108,27 @@ class Recipe:
 
         fit = content["local_fit"] or "linear"
         settings = EditSettings(self.signal, decomposer.schedule(levels), constraints, fit)
-        return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), self.signal)
+        edited = edit_shape(decomposer, settings, edit, progress)
+        if self._data.reshapes:
+            # The base is that of the walk, whatever smooths the bands.
+            walk = prepare_decomposer(part.shape, "walk")
+            with report_progress(progress, "bending") as report:
+                moved = self._data.reshape(walk._data, np.ascontiguousarray(edited.points), report)
+            edited = part.shape._with_positions(moved)
+        if self._data.turns_faces:
+            turned = Shape._from_data(self._data.turn_faces(decomposer._data), part.shape._lost)
+            return turned._with_positions(edited.points)
+        return part.with_named_signal(edited, self.signal)
+
+    def _check_whole(self, part: Part) -> None:
+        kinds = {"[[clone]] and [pose]": self._data.reshapes, "'turned'": self._data.turns_faces}
+        for what in (kind for kind, is_given in kinds.items() if is_given):
+            if self.signal != "coords":
+                raise ValueError(
+                    f"recipe: {what} change a shape, and the signal is {self.signal!r}; remove them from the recipe"
+                )
+            if part.selection is not None:
+                raise ValueError(f"recipe: {what} name vertices of the whole shape; leave mask= and only= out")
 
     def write(self, path: Path) -> None:
         """Write the recipe to a file, completely or not at all.

@@ -6,7 +6,7 @@ use crate::error::CliError;
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
 use adwave::{Decomposer, Progress};
-use adwave_deform::{Clones, DeformInfo, Deformer, bind_pose, set_pose};
+use adwave_deform::{DeformInfo, Deformer, bind_pose, reshape, set_pose};
 use adwave_io::{DetailClone, Pose, Recipe};
 
 /// Binds a shape to the handles of a pose and bends it, as the studio does.
@@ -16,14 +16,22 @@ pub(crate) fn bend(
     decomposer: &Decomposer,
     progress: Progress<'_>,
 ) -> Result<BentShape, CliError> {
-    let vertices = |region: &Region| -> Result<Vec<u32>, CliError> {
-        let weights = region_weights(region, input, decomposer, progress)?;
-        Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
-    };
+    let vertices = |region: &Region| vertices(region, input, decomposer, progress);
     let mut deformer = bind_pose(decomposer, pose, None, vertices, progress)?;
     set_pose(&mut deformer, pose)?;
     let info = deformer.solve(progress)?;
     Ok(BentShape { deformer, info })
+}
+
+/// Vertices of a region with a weight above 0.
+fn vertices(
+    region: &Region,
+    input: &Input,
+    decomposer: &Decomposer,
+    progress: Progress<'_>,
+) -> Result<Vec<u32>, CliError> {
+    let weights = region_weights(region, input, decomposer, progress)?;
+    Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
 }
 
 /// A shape in its pose.
@@ -53,20 +61,12 @@ impl ReshapedBy {
 pub(crate) fn reshaped_points(
     by: &ReshapedBy,
     input: &Input,
-    mut points: Vec<[f64; 3]>,
+    points: Vec<[f64; 3]>,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, CliError> {
     // The base is that of the walk, whatever smooths the bands.
     let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
         .map_err(|e| CliError::classify(&e))?;
-    if !by.clones.is_empty() {
-        let mut clones = Clones::new(&decomposer, progress)?;
-        clones.set(&by.clones, progress)?;
-        clones.add_to(&mut points);
-    }
-    let Some(pose) = &by.pose else { return Ok(points) };
-    let bent = bend(pose, input, &decomposer, progress)?;
-    let mut posed = points.clone();
-    bent.deformer.carried_into(&points, &mut posed);
-    Ok(posed)
+    let vertices = |region: &Region| vertices(region, input, &decomposer, progress);
+    reshape(&decomposer, (&by.clones, by.pose.as_ref()), points, vertices, progress)
 }
