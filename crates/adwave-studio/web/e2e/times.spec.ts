@@ -326,7 +326,7 @@ async function measureSize(browser: Browser, nVertices: number, failures: string
     // The first visit waits for the bands, which the server computes once.
     const first = await openFresh(target);
     const renderer = await first.evaluate(() => window.studio.renderer);
-    const firstVisit = (await timings(first)).slidersLive;
+    const firstVisit = await timings(first);
     await first.close();
     const loading = await measureLoading(target);
     const pretending = await openFresh(target, [countBuffers, pretendHardware]);
@@ -346,7 +346,8 @@ async function measureSize(browser: Browser, nVertices: number, failures: string
     await page.close();
     return {
       renderer,
-      'first visit, every slider': rounded(firstVisit, 0),
+      'first visit, first pixels': rounded(firstVisit.firstPixels, 0),
+      'first visit, every slider': rounded(firstVisit.slidersLive, 0),
       ...loading,
       ...sliders,
       ...brush,

@@ -29,8 +29,8 @@ export interface DrawnGeometry {
 export class ShapeArrays {
   nLevels = 0;
   cloud = false;
-  /** True while the edit is drawn as a sum of bands by the shader. */
-  live = false;
+  /** How an edit is drawn before it is computed: as a sum of bands by the shader, or turned with the frames of a pull. */
+  live: 'sum' | 'pull' | null = null;
   /** Scales of the bands for the shader, by level − 1. */
   scales: number[] = [];
   private readonly base = new BufferGeometry();
@@ -41,6 +41,8 @@ export class ShapeArrays {
   private readonly posed = new BufferGeometry();
   /** The coarse version of `posed`. */
   private fewPosed: BufferGeometry | null = null;
+  /** The edited shape while a handle is pulled, where the shader cannot sum its bands; coarse if there is a coarse version. */
+  private readonly pulledShape = new BufferGeometry();
   /** Clones and pose of `posed`; `null` without any. */
   by: ReshapedBy | null = null;
   /** True if the original is colored by other numbers than the edited shape. */
@@ -88,7 +90,7 @@ export class ShapeArrays {
 
   clear(): void {
     this.setPosed(null, null);
-    for (const geometry of [this.base, this.edited, this.posed, this.comparison]) {
+    for (const geometry of [this.base, this.edited, this.posed, this.comparison, this.pulledShape]) {
       geometry.dispose();
       for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
       geometry.setIndex(null);
@@ -140,7 +142,7 @@ export class ShapeArrays {
     this.coarse?.edited.copyAttribute('position', positions, 3, false);
     this.coarse?.edited.copyAttribute('normal', normals, 4, true);
     this.hasEdited = true;
-    this.live = false;
+    this.live = null;
     this.pulled = null;
     this.onChange();
   }
@@ -247,10 +249,31 @@ export class ShapeArrays {
     return { greatest: Math.sqrt(most), rms: Math.sqrt(sum / n) };
   }
 
+  /**
+   * Shows the shape that is pulled by what turns with it. Returns false if that is not known for the vertices of `bent`.
+   */
+  showPulled({ places, turns }: Bent): boolean {
+    const { pulled, pulledShape } = this;
+    if (places.length !== pulled?.offsets.length) return false;
+    const positions = new Float32Array(places.length);
+    const normals = new Int8Array(pulled.normals.length);
+    const out = [0, 0, 0];
+    for (let k = 0; 3 * k < places.length; k++) {
+      turn(turns, k, 1, pulled.offsets, 3 * k, out);
+      for (let c = 0; c < 3; c++) positions[3 * k + c] = places[3 * k + c]! + out[c]!;
+      normals.set(turn(turns, k, 1, pulled.normals, 4 * k, out), 4 * k);
+    }
+    pulledShape.setIndex((this.hasFew ? this.coarse!.base.geometry : this.base).index);
+    setAttributeArray(pulledShape, 'position', positions, 3, false);
+    setAttributeArray(pulledShape, 'normal', normals, 4, true);
+    this.live = 'pull';
+    return true;
+  }
+
   /** Discards the edited shape, so that the original is shown. */
   setUnedited(): void {
     this.hasEdited = false;
-    this.live = false;
+    this.live = null;
     this.onChange();
   }
 
@@ -269,13 +292,13 @@ export class ShapeArrays {
   setLevels(nLevels: number): void {
     const few = this.coarse ? [this.coarse.base.geometry] : [];
     if (this.fewPosed) few.push(this.fewPosed);
-    for (const geometry of [this.base, this.edited, this.posed, ...few]) {
+    for (const geometry of [this.base, this.edited, this.posed, this.pulledShape, ...few]) {
       for (let j = 0; j < 64; j++) geometry.deleteAttribute(`band${j}`);
     }
     this.nLevels = nLevels;
     this.scales = [];
     this.bands = [];
-    this.live = false;
+    this.live = null;
   }
 
   setBand(level: number, scale: number, values: Int16Array): void {
@@ -361,7 +384,12 @@ export class ShapeArrays {
       shareAttributes(this.comparison, this.base, ['normal']);
       return { geometry: this.comparison, summed: false, few: false };
     }
-    const summed = !before && this.live && this.nLevels > 0;
+    if (!before && this.live === 'pull') {
+      const few = this.hasFew;
+      shareAttributes(this.pulledShape, few ? this.coarse!.base.geometry : this.base, ['normal']);
+      return { geometry: this.pulledShape, summed: false, few };
+    }
+    const summed = !before && this.live === 'sum' && this.nLevels > 0;
     if (summed && this.by) {
       const geometry = this.fewPosed ?? this.posed;
       const { pulled } = this;

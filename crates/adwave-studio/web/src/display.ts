@@ -87,7 +87,12 @@ export class Display {
         // The volume is known when the handle is released.
         if (moved) studio.displacement = { ...moved, volume: null };
         studio.emit('moved');
-        if (this.showLive(by)) {
+        let isShown = this.showLive(by);
+        if (!isShown && view.showPulled(bent)) {
+          this.shownDoc = doc;
+          isShown = true;
+        }
+        if (isShown) {
           view.draw();
           if (began && timings.isEnabled) {
             view.finish();

@@ -20,6 +20,7 @@ import { type BesideArrays, BesideShape } from './beside-shape';
 import { Camera } from './camera';
 import { type Clip, clipEquation, isClipped } from './clip';
 import type { MapName } from './colors';
+import type { Bent } from './compute/messages';
 import { EyeDome } from './eye-dome';
 import { boundsOf } from './geometry';
 import { type Masked, Materials } from './materials';
@@ -269,9 +270,16 @@ export class View {
     const { arrays } = this;
     if (arrays.heavy && !arrays.hasFew) return false;
     if (!this.materials.setSums(global, masked, arrays.scales, arrays.nLevels, arrays.isPosed)) return false;
-    arrays.live = true;
+    arrays.live = 'sum';
     this.request();
     return true;
+  }
+
+  /** Shows the shape that is pulled, where the shader cannot sum its bands. Returns false if that is not possible either. */
+  showPulled(bent: Bent): boolean {
+    const shown = this.arrays.showPulled(bent);
+    if (shown) this.request();
+    return shown;
   }
 
   /** Cuts the shape; `null` shows it whole. Picking leaves out what is cut away. */
@@ -374,7 +382,7 @@ export class View {
     this.frame = 0;
     const began = performance.now();
     const { renderer } = this;
-    const coarse = this.arrays.hasFew && (this.moving !== 0 || this.arrays.live);
+    const coarse = this.arrays.hasFew && (this.moving !== 0 || this.arrays.live !== null);
     if (this.software) this.setRatio(coarse);
     const width = renderer.domElement.width;
     const height = renderer.domElement.height;
