@@ -175,7 +175,7 @@ def test_recipes_that_do_not_fit_are_refused() -> None:
     ):
         with pytest.raises(ValueError, match=said):
             aw.Recipe(text).apply(shape, **options)
-    with pytest.raises(ValueError, match="shape"):
+    with pytest.raises(ValueError, match="must be a corner of a face"):
         aw.Recipe("turned = [0]").apply(CREATURE.points)
 
 

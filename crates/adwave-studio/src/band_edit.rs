@@ -95,13 +95,22 @@ pub(crate) struct LevelInfo {
     fwhm: f64,
 }
 
+/// Message of a fault of this program: bands are used before they are computed.
+const NOT_SPLIT: &str = "the signal is split before its bands are used";
+
 /// Bands of a signal, and the edit of their gains.
 pub(crate) struct BandEdit {
     pub(crate) decomposer: Decomposer,
     pub(crate) levels: LevelSpec,
     pub(crate) schedule: Schedule,
-    pub(crate) editor: Editor,
     pub(crate) document: Document,
+    split: Split,
+}
+
+/// A signal, before and after it is split into bands.
+enum Split {
+    No { values: Vec<f64>, n_channels: usize },
+    Yes(Box<Editor>),
 }
 
 /// Signal to split, n × `n_channels` values, and its levels.
@@ -112,19 +121,35 @@ pub(crate) struct BandEditRequest<'a> {
 }
 
 impl BandEdit {
-    /// Computes the bands of a signal; the edit is empty.
-    pub(crate) fn new(
-        decomposer: Decomposer,
-        request: BandEditRequest<'_>,
-        progress: Progress<'_>,
-    ) -> Result<Self, StudioError> {
+    /// Chooses the levels of a signal; the edit is empty. [`split`](Self::split) computes the bands.
+    pub(crate) fn new(decomposer: Decomposer, request: BandEditRequest<'_>) -> Result<Self, StudioError> {
         let BandEditRequest { values, n_channels, levels } = request;
         let resolved =
             levels.resolve(&decomposer, DEFAULT_EXTENT).map_err(|e| StudioError::from_classified(&e))?;
-        let schedule = resolved.schedule;
-        let editor = decomposer.request(values, n_channels, &schedule).progress(progress).editor();
-        let editor = editor.map_err(|e| StudioError::from_classified(&e))?;
-        Ok(Self { decomposer, levels, schedule, editor, document: Document::default() })
+        let split = Split::No { values: values.to_vec(), n_channels };
+        Ok(Self { decomposer, levels, schedule: resolved.schedule, document: Document::default(), split })
+    }
+
+    /// Computes the bands unless that was done. On an error nothing changes.
+    pub(crate) fn split(&mut self, progress: Progress<'_>) -> Result<(), StudioError> {
+        if let Split::No { values, n_channels } = &self.split {
+            let request = self.decomposer.request(values, *n_channels, &self.schedule);
+            let editor = request.progress(progress).editor().map_err(|e| StudioError::from_classified(&e))?;
+            self.split = Split::Yes(Box::new(editor));
+        }
+        Ok(())
+    }
+
+    /// The bands, after [`split`](Self::split).
+    pub(crate) fn editor(&self) -> &Editor {
+        let Split::Yes(editor) = &self.split else { panic!("{NOT_SPLIT}") };
+        editor
+    }
+
+    /// The bands for edits, after [`split`](Self::split).
+    pub(crate) fn editor_mut(&mut self) -> &mut Editor {
+        let Split::Yes(editor) = &mut self.split else { panic!("{NOT_SPLIT}") };
+        editor
     }
 
     pub(crate) fn n_levels(&self) -> usize {

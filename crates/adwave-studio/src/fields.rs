@@ -259,7 +259,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         encode_f32(n, |x| norm((0..3).map(|c| after[x][c] - before[x][c])))
     } else if let Some(level) = band.filter(|&j| (1..=prepared.bands.n_levels()).contains(&j)) {
         let map = prepared.bands.decomposer.vertex_map();
-        let rows: &[[f64; 3]] = prepared.bands.editor.wavelets().levels[level - 1].as_chunks().0;
+        let rows: &[[f64; 3]] = prepared.bands.editor().wavelets().levels[level - 1].as_chunks().0;
         encode_f32(n, |x| norm(rows[map.welded(x)].into_iter()))
     } else if let Some(values) = stored_values(&session.file(), name).filter(|_| !info.is_computed()) {
         encode_f32(n, |x| values[x] as f32)

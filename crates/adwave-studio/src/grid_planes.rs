@@ -167,7 +167,7 @@ impl PlaneRequest {
     /// Encodes the values and then the bands W_1 … W_J, `f32 × rows × columns × channels` each, with one channel for a
     /// frame of a series. A place without data has NaN, and 0 in the bands.
     pub(crate) fn encode(&self, bands: &BandEdit, layout: &GridLayout) -> Result<Vec<u8>, ApiError> {
-        let (signal, levels) = (bands.editor.signal(), &bands.editor.wavelets().levels);
+        let (signal, levels) = (bands.editor().signal(), &bands.editor().wavelets().levels);
         let n_channels = signal.len() / layout.n_places().max(1);
         let (first, n_sent) = self.frame.map_or((0, n_channels), |frame| (frame, 1));
         let n_places = self.sizes[0] * self.sizes[1];

@@ -185,7 +185,8 @@ impl GridSession {
             return Err(StudioError::Method { kind: ErrorKind::Memory, text });
         }
         let request = BandEditRequest { values: &signal.values, n_channels: self.n_channels, levels };
-        let edit = BandEdit::new(self.decomposer.clone(), request, progress)?;
+        let mut edit = BandEdit::new(self.decomposer.clone(), request)?;
+        edit.split(progress)?;
         Ok(GridBands { edit, change: [0.0; 2] })
     }
 
@@ -313,7 +314,7 @@ impl GridSession {
     /// Least and greatest value, and the range without the outermost values, from an even sample.
     fn range(&self, bands: &GridBands) -> [f64; 4] {
         *self.range.get_or_init(|| {
-            let values = bands.edit.editor.signal();
+            let values = bands.edit.editor().signal();
             let kept = self.layout().kept.as_deref();
             let is_known =
                 |k: usize| values[k].is_finite() && kept.is_none_or(|kept| kept[k / self.n_channels]);
@@ -419,7 +420,7 @@ impl GridBands {
 
     /// New values of all places.
     pub(crate) fn edited(&self) -> &[f64] {
-        self.edit.editor.edited()
+        self.edit.editor().edited()
     }
 
     /// Replaces the current edit; on an error nothing changes.
@@ -446,11 +447,11 @@ impl GridBands {
             layers(&document, self.edit.n_levels())?,
             layers(&self.edit.document, self.edit.n_levels()).unwrap_or_default(),
         );
-        self.edit.editor.set_layers(next).map_err(|e| ApiError::from_classified(&e))?;
+        self.edit.editor_mut().set_layers(next).map_err(|e| ApiError::from_classified(&e))?;
         let [greatest, rms] = self.measure_change();
         // The page computes in single precision.
         if !(greatest as f32).is_finite() {
-            self.edit.editor.set_layers(before).map_err(|e| ApiError::from_classified(&e))?;
+            self.edit.editor_mut().set_layers(before).map_err(|e| ApiError::from_classified(&e))?;
             let message = "values would leave the range of single precision; choose smaller gains";
             return Err(ApiError::bad_request(message));
         }
@@ -462,7 +463,7 @@ impl GridBands {
     fn measure_change(&self) -> [f64; 2] {
         /// Values that a thread compares at a time.
         const CHUNK: usize = 1 << 16;
-        let (before, after) = (self.edit.editor.signal(), self.edit.editor.edited());
+        let (before, after) = (self.edit.editor().signal(), self.edit.editor().edited());
         let part = |(before, after): (&[f64], &[f64])| {
             let known = before.iter().zip(after).filter(|(a, _)| !a.is_nan());
             known.fold((0.0_f64, 0.0, 0_usize), |(most, sum, n), (a, b)| {

@@ -6,6 +6,7 @@ use crate::response::ApiError;
 use crate::session::{Session, StudioInput};
 use crate::workspace::{OpenedAt, Workspace};
 use adwave::Progress;
+use serde_json::Value;
 use std::fmt;
 use std::sync::Arc;
 
@@ -42,6 +43,14 @@ impl Opened {
         match self {
             Self::Shape(_) => "shape",
             Self::Grid(_) => "grid",
+        }
+    }
+
+    /// Describes what is open for the page, with the edit of the last session.
+    pub(crate) fn describe(&self) -> Result<Value, ApiError> {
+        match self {
+            Self::Shape(session) => session.describe(),
+            Self::Grid(session) => session.describe(),
         }
     }
 

@@ -82,7 +82,7 @@ pub(crate) fn build_decomposer(
 }
 
 impl PreparedShape {
-    /// Computes the bands of `levels`; the edit is empty.
+    /// Prepares a shape for the bands of `levels`, which `bands` computes; the edit is empty.
     pub(crate) fn new(
         source: &PreparedSource<'_>,
         levels: LevelSpec,
@@ -93,7 +93,7 @@ impl PreparedShape {
         let decomposer =
             if kind == OperatorKind::Walk { walk.clone() } else { build_decomposer(shape, kind, progress)? };
         let request = BandEditRequest { values: points.as_flattened(), n_channels: 3, levels };
-        let bands = BandEdit::new(decomposer, request, progress)?;
+        let bands = BandEdit::new(decomposer, request)?;
         let points = Arc::new(points.to_vec());
         Ok(Self {
             bands,
@@ -217,11 +217,11 @@ impl PreparedShape {
             weighted.push(WeightedLayer { gains, weights });
         }
         let previous = self.current_layers();
-        self.bands.editor.set_layers(weighted).map_err(|e| ApiError::from_classified(&e))?;
+        self.bands.editor_mut().set_layers(weighted).map_err(|e| ApiError::from_classified(&e))?;
         let edited = match self.edited_points(&document, file) {
             Ok(edited) => edited,
             Err(error) => {
-                self.bands.editor.set_layers(previous).map_err(|e| ApiError::from_classified(&e))?;
+                self.bands.editor_mut().set_layers(previous).map_err(|e| ApiError::from_classified(&e))?;
                 return Err(error);
             }
         };
@@ -255,7 +255,7 @@ impl PreparedShape {
             return Ok(EditedPoints { unposed: Arc::clone(&points), points, summary });
         }
         let before = file.points();
-        let edited = self.bands.editor.edited().as_chunks().0.to_vec();
+        let edited = self.bands.editor().edited().as_chunks().0.to_vec();
         let points = constrain_positions(
             &self.bands.decomposer,
             before,
@@ -313,7 +313,7 @@ impl PreparedShape {
     /// Encodes W_j at all vertices as a scale and integers `i16 × 4 × n`, of which every fourth is 0.
     pub(crate) fn encode_band(&self, level: usize) -> (f32, Vec<u8>) {
         let map = self.bands.decomposer.vertex_map();
-        let values = &self.bands.editor.wavelets().levels[level - 1];
+        let values = &self.bands.editor().wavelets().levels[level - 1];
         let max = values.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
         let scale = max / f64::from(i16::MAX);
         let per_unit = if scale > 0.0 { 1.0 / scale } else { 0.0 };

@@ -28,6 +28,7 @@ use serde::de::DeserializeOwned;
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Largest body of an edit or a region, in bytes; it holds thousands of strokes.
 const MAX_BODY: usize = 64 << 20;
@@ -142,9 +143,10 @@ async fn close_shape(State(studio): StudioState, Path(id): Path<u64>) -> Respons
 }
 
 async fn describe_shape(State(studio): StudioState, Path(id): Path<u64>) -> Response {
-    with_opened(studio, id, |opened| match opened {
-        Opened::Shape(session) => json_response(&session.describe()?),
-        Opened::Grid(session) => json_response(&session.describe()?),
+    with_opened(studio, id, |opened| {
+        let described = opened.describe()?;
+        opened.workspace().is_described.store(true, Ordering::Relaxed);
+        json_response(&described)
     })
     .await
 }
@@ -210,7 +212,7 @@ async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 /// Sends the first vertex of the connected part of each vertex, `u32 × n`.
 async fn send_parts(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     with_shape(studio, id, |session| {
-        let prepared = session.lock_prepared()?;
+        let prepared = session.lock_unsplit()?;
         let parts = prepared.parts()?;
         let first = |part: u32| parts.parts.get(part as usize).map_or(u32::MAX, |part| part.first_vertex);
         Ok(bytes_response(encode_rows(parts.of_vertex.len(), 4, |v, row| {
@@ -304,7 +306,7 @@ async fn stream_bands(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 
 async fn send_edit(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     with_opened(studio, id, |opened| match opened {
-        Opened::Shape(session) => json_response(&session.lock_prepared()?.bands.document),
+        Opened::Shape(session) => json_response(&session.lock_unsplit()?.bands.document),
         Opened::Grid(session) => json_response(session.lock_bands()?.document()),
     })
     .await
@@ -371,7 +373,7 @@ async fn follow_pose(
             Some("drawn") => Some(drawn.as_slice()),
             _ => None,
         };
-        let poser = Arc::clone(&session.lock_prepared()?.poser);
+        let poser = Arc::clone(&session.lock_unsplit()?.poser);
         let carried = poser.carried_vertices(&by, &session.file(), follow, vertices)?;
         Ok(bytes_response(encode_carried(&carried, session.center)))
     })

@@ -85,7 +85,7 @@ impl StudioOutcome {
         let mut field_recipes = Vec::new();
         let turn = first.workspace().wait_turn();
         let recipe = match &first {
-            Opened::Shape(session) => session.lock_prepared().map_or_else(
+            Opened::Shape(session) => session.lock_unsplit().map_or_else(
                 |_| Recipe::default(),
                 |prepared| {
                     let BandEdit { document, levels, decomposer, .. } = &prepared.bands;
@@ -167,7 +167,13 @@ impl Studio {
         self.opened.write().unwrap_or_else(PoisonError::into_inner).push(opened.clone());
         let (background, pool) = (opened.clone(), Arc::clone(&self.pool));
         std::thread::spawn(move || {
-            let _turn = background.workspace().wait_turn();
+            let workspace = background.workspace();
+            let turn = workspace.wait_turn();
+            pool.install(|| drop(background.describe()));
+            drop(turn);
+            // The bands would hold up the first picture.
+            workspace.wait_until_described();
+            let _turn = workspace.wait_turn();
             pool.install(|| drop(background.prepare()));
         });
         Ok(opened)

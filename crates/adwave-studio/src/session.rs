@@ -137,10 +137,18 @@ impl Session {
 
     /// Locks the bands and the edit; the first call computes them and restores the edit of the last session.
     pub(crate) fn lock_prepared(&self) -> Result<MutexGuard<'_, PreparedShape>, ApiError> {
+        let mut prepared = self.lock_unsplit()?;
+        prepared.bands.split(self.progress())?;
+        Ok(prepared)
+    }
+
+    /// Locks the shape with its levels and its edit, whose bands need not be computed. On the first visit a picture is
+    /// shown before they are.
+    pub(crate) fn lock_unsplit(&self) -> Result<MutexGuard<'_, PreparedShape>, ApiError> {
         self.workspace.expect_turn();
         let walk = self.walk_decomposer()?;
         let result = self.prepared.get_or_init(|| {
-            let unedited = || self.prepare(walk, default_levels(walk), self.progress());
+            let unedited = || self.prepare_unsplit(walk, default_levels(walk), self.progress());
             let stored = self.workspace.autosave.as_ref().and_then(Autosave::read);
             let resumed = stored.and_then(|(levels, document)| {
                 let mut prepared = self.prepare(walk, levels, self.progress()).ok()?;
@@ -202,6 +210,17 @@ impl Session {
 
     /// Computes the bands of `levels`; the edit is empty.
     pub(crate) fn prepare(
+        &self,
+        walk: &Decomposer,
+        levels: LevelSpec,
+        progress: Progress<'_>,
+    ) -> Result<PreparedShape, StudioError> {
+        let mut prepared = self.prepare_unsplit(walk, levels, progress)?;
+        prepared.bands.split(progress)?;
+        Ok(prepared)
+    }
+
+    fn prepare_unsplit(
         &self,
         walk: &Decomposer,
         levels: LevelSpec,
@@ -285,7 +304,7 @@ impl Session {
 
     /// Describes the shape for the page.
     pub(crate) fn describe(&self) -> Result<Value, ApiError> {
-        let prepared = self.lock_prepared()?;
+        let prepared = self.lock_unsplit()?;
         let health = prepared.health();
         let inward: Vec<Value> = prepared
             .inward_parts()?

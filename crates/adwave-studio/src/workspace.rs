@@ -8,8 +8,14 @@ use axum::http::StatusCode;
 use serde_json::json;
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Longest time for which the bands wait for a page that asks for the first picture.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Interval at which it is looked for.
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Place at which something is opened: its number, its folder and the flag that ends its work.
 #[derive(Clone, Debug)]
@@ -36,6 +42,8 @@ pub(crate) struct Workspace {
     /// Files written by this session, which may be overwritten.
     pub(crate) written: Mutex<HashSet<PathBuf>>,
     turn: Mutex<()>,
+    /// True once a page got the description of what is open, with which it shows a first picture.
+    pub(crate) is_described: AtomicBool,
     stop: Arc<AtomicBool>,
 }
 
@@ -50,6 +58,7 @@ impl Workspace {
             was_resumed: OnceLock::new(),
             written: Mutex::default(),
             turn: Mutex::default(),
+            is_described: AtomicBool::new(false),
             stop: at.stop,
         }
     }
@@ -65,6 +74,15 @@ impl Workspace {
     /// could then wait for a lock that it holds itself.
     pub(crate) fn wait_turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until a page got the description, or for a while; a shutdown ends it.
+    pub(crate) fn wait_until_described(&self) {
+        let start = Instant::now();
+        let is_over = || self.is_described.load(Ordering::Relaxed) || self.stop.load(Ordering::Relaxed);
+        while !is_over() && start.elapsed() < PATIENCE {
+            std::thread::sleep(POLL_INTERVAL);
+        }
     }
 
     /// Panics in debug builds if a compute thread is about to lock state of this session while nobody has the turn.
