@@ -78,8 +78,8 @@ impl RecipeData {
                 let weights = weights.to_vertices(decomposer.vertex_map());
                 Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
             };
-            let by = (recipe.clones.as_slice(), recipe.pose.as_ref());
-            adwave_deform::reshape(decomposer, by, points, vertices, p)
+            let pose = recipe.pose.as_ref();
+            adwave_deform::reshape(decomposer, &recipe.clones, pose, points, vertices, p)
         })?;
         Ok(arrays::point_rows(py, moved)?.into_any())
     }

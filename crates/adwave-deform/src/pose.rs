@@ -53,7 +53,8 @@ pub fn bind_pose<E: From<DeformError>>(
 /// Errors of [`Clones::set`], [`bind_pose`], [`set_pose`] and [`Deformer::solve`].
 pub fn reshape<E: From<DeformError>>(
     decomposer: &Decomposer,
-    (clones, pose): (&[DetailClone], Option<&Pose>),
+    clones: &[DetailClone],
+    pose: Option<&Pose>,
     mut points: Vec<[f64; 3]>,
     vertices: impl FnMut(&Region) -> Result<Vec<u32>, E>,
     progress: Progress<'_>,

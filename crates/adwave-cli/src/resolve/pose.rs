@@ -68,5 +68,5 @@ pub(crate) fn reshaped_points(
     let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
         .map_err(|e| CliError::classify(&e))?;
     let vertices = |region: &Region| vertices(region, input, &decomposer, progress);
-    reshape(&decomposer, (&by.clones, by.pose.as_ref()), points, vertices, progress)
+    reshape(&decomposer, &by.clones, by.pose.as_ref(), points, vertices, progress)
 }
