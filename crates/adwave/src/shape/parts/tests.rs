@@ -86,7 +86,7 @@ fn an_open_part_has_no_volume_and_leaves_the_others_theirs() {
     assert!(flags[6]);
     for (vertex, message) in [
         (3, "vertex 3 must be the first one of its part; the part begins at vertex 0"),
-        (11, "vertex 11 must be a corner of a face; choose a vertex of the part"),
+        (11, "vertex 11 must be a corner of a face; choose the first vertex of a part of the surface"),
         (12, "vertex 12 must be below 12, the number of vertices; choose another one"),
     ] {
         assert_eq!(found.faces_of(&[vertex], &faces).unwrap_err().to_string(), message);
