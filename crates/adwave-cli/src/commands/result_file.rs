@@ -171,9 +171,13 @@ pub(crate) fn check_places(path: &Path, input: &Input) -> Result<(), CliError> {
     if fits {
         return Ok(());
     }
-    let holds = if is_grid { "shapes" } else { "images and volumes" };
+    let (holds, use_instead) = if is_grid {
+        ("shapes", "use its own format or .npy")
+    } else {
+        ("images and volumes", "use its own format, of which `adwave render` makes pictures, or .npy")
+    };
     Err(CliError::Input(format!(
-        "{}: the format holds {holds}, and {} is {} {}; use its own format or .npy",
+        "{}: the format holds {holds}, and {} is {} {}; {use_instead}",
         path.display(),
         input.name,
         article(input.kind_name()),

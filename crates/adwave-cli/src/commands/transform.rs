@@ -28,7 +28,8 @@ use adwave::bands::{Bands, BandsInfo, BandsParams, Schedule, mean_square};
 use adwave::operator::{OperatorKind, RowWeights};
 use adwave::{Decomposer, Progress};
 use adwave_io::{
-    ArrayValues, Compression, Field, FieldValues, Format, ShapeFile, VolumeSeriesWriter, WriteError,
+    ArrayValues, CiftiColumns, Compression, Field, FieldValues, Format, ShapeFile, VolumeSeriesWriter,
+    WriteError, write_npy,
 };
 use adwave_subdivision::Family;
 use clap::Args;
@@ -42,8 +43,9 @@ Output by extension:
   .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for
               numpy; along time band (J+1,I+1,n,T) instead of the first two, whose sum is the
               signal, and time_sigma (I+1)
+  .npy        W1 … WJ and SJ, which sum to the signal: (J+1,n,d), or (J+1,n) for d = 1
   .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
-  .gii        the fields W1 … WJ and SJ, which sum to the signal, as 32-bit floats
+  .csv .gii   the fields W1 … WJ and SJ, .gii and CIFTI as 32-bit floats
   .nii .tif   of an image or a volume, the same as J+1 channels
 
 Examples:
@@ -63,7 +65,7 @@ With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level;
 pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// File for the bands (.npz, .vtp, .ply, .las, .gii and others)
+    /// File for the bands (.npz, .npy, .vtp, .ply, .las, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -302,8 +304,12 @@ fn resolve(
         file
     } else {
         check_places(&args.output, &input)?;
-        let grid = ValuesFile::choose(&args.output, &input.file).filter(|kind| *kind == ValuesFile::Grid);
-        grid.map_or(file, BandsFile::Alone)
+        match ValuesFile::choose(&args.output, &input.file) {
+            Some(ValuesFile::Npy | ValuesFile::Grid) if input.file.grid().is_some() => {
+                BandsFile::Alone(ValuesFile::Grid)
+            }
+            _ => file,
+        }
     };
     let read = watch.lap();
     let quantity = args.quantity;
@@ -322,12 +328,14 @@ fn resolve(
 }
 
 fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
-    match Format::from_path(path) {
+    match ValuesFile::from_path(path) {
         _ if has_extension(path, &["npz"]) => Ok(BandsFile::Npz),
-        Some(Format::GIFTI) => Ok(BandsFile::Alone(ValuesFile::Gifti)),
-        Some(format) if format.holds_grids() => Ok(BandsFile::Alone(ValuesFile::Grid)),
-        _ if holds_fields(path) => Ok(BandsFile::Fields),
-        _ => Err(unsuitable_format(path, "bands are", &[".npz", ".gii"])),
+        Some(ValuesFile::Annotation | ValuesFile::Cifti(CiftiColumns::Labels)) => Err(CliError::Input(
+            format!("{}: the format holds labels, and bands are numbers", path.display()),
+        )),
+        Some(kind) => Ok(BandsFile::Alone(kind)),
+        None if holds_fields(path) => Ok(BandsFile::Fields),
+        None => Err(unsuitable_format(path, "bands are", &[".npz", ".npy", ".csv", ".gii"])),
     }
 }
 
@@ -353,6 +361,13 @@ fn write(
                     .for_each(|(row, level)| row.copy_from_slice(&level[i * d..][..d]));
             };
             write_grid(global, &args.output, (bands.n_levels() + 1) * d, copy, &job.input.file)
+        }),
+        BandsFile::Alone(ValuesFile::Npy) => with_spinner(global, "writing", || {
+            let (file, d) = (&job.input.file, bands.n_channels);
+            let shape = [bands.n_levels() + 1, file.n_file_rows(), d];
+            let levels = in_rows(file, Cow::Borrowed(bands.as_slice()), d);
+            let shape = if d == 1 { &shape[..2] } else { &shape };
+            write_file_with(global, &args.output, |path| write_npy(path, shape, ArrayValues::F64(&levels)))
         }),
         BandsFile::Alone(kind) => {
             let write = || kind.write(global, &args.output, &band_fields(bands), &job.input.file);

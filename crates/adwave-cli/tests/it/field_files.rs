@@ -111,6 +111,15 @@ fn maps_and_bands_have_names_in_tables_and_giftis() {
         // Four numbers of up to 17 in 32 bits.
         assert!((sum - own).abs() < 1e-5, "{sum} {own}");
     }
+    json(path, "transform torus.ply -o bands.csv --field thickness.csv --levels 3");
+    json(path, "transform torus.ply -o bands.npy --field thickness.csv --levels 3");
+    let (table, exact) = (columns(&path.join("bands.csv")), array(&path.join("bands.npy")));
+    assert_eq!(names(&table), names(&bands));
+    assert_eq!((exact.n_channels, exact.to_f64().len()), (n, 4 * n), "one row for each band");
+    for (i, own) in thickness.iter().enumerate() {
+        let sum: f64 = (0..4).map(|band| exact.get(band, i)).sum();
+        assert!((sum - own).abs() < 1e-12 && exact.get(1, i) == table[1].get(i, 0), "{sum} {own}");
+    }
     json(path, "transform torus.ply -o coords.gii --levels 2");
     assert_eq!(names(&columns(&path.join("coords.gii")))[..4], ["W1_x", "W1_y", "W1_z", "W2_x"]);
 }
