@@ -115,24 +115,65 @@ const SYNONYMS: [(&[&str], &str); 11] = [
     (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
 ];
 
-/// Improves the tips of an error of usage: words that people try get the command that does the task, and no tip takes a
-/// misspelled option for a value.
+/// Words that people try as an option, each with the option of a command that does it and how that is used. The first
+/// row whose option the command has counts.
+const OPTION_SYNONYMS: [(&[&str], &str, &str); 11] = [
+    (&["top", "count", "number", "n", "max", "limit", "k"], "best", "--best N"),
+    (&["size", "count", "number", "n", "points", "target"], "vertices", "--vertices N"),
+    (&["faces", "triangles"], "vertices", "--vertices N: a mesh has about twice as many triangles"),
+    (&["percent", "fraction", "factor", "reduction"], "ratio", "--ratio 0.1"),
+    (&["width", "height", "resolution"], "size", "--size 1600x1200"),
+    (&["field", "signal", "values", "scalars", "scalar"], "color", "--color FIELD"),
+    (&["background", "bg", "alpha"], "transparent", "--transparent"),
+    (&["iterations", "sigma", "lambda", "amount", "weight", "level"], "strength", "--strength 1.5"),
+    (
+        &["sigma", "width", "radius", "scale", "kernel", "cutoff", "lowpass", "low-pass"],
+        "gains",
+        "--fwhm WIDTH --gains 0, which removes what is narrower",
+    ),
+    (
+        &["band", "gain", "keep", "drop", "remove", "boost", "highpass", "high-pass", "bandpass"],
+        "gains",
+        "--gains 0,1,2: a gain for each band, fine to coarse",
+    ),
+    (&["bands", "scales", "depth"], "levels", "--levels N"),
+];
+
+/// Improves the tips of an error of usage: words that people try get the option or the command that does the task, and
+/// no tip takes a misspelled option for a value.
 pub(crate) fn improve_tips(mut error: clap::Error) -> clap::Error {
     let word = |kind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.trim_start_matches('-').to_lowercase()),
         _ => None,
     };
-    let tried = word(ContextKind::InvalidArg).or_else(|| word(ContextKind::InvalidSubcommand));
-    let synonym = tried.and_then(|tried| SYNONYMS.iter().find(|(words, _)| words.contains(&tried.as_str())));
+    let option = word(ContextKind::InvalidArg);
+    let tried = option.clone().or_else(|| word(ContextKind::InvalidSubcommand));
+    let synonym = option.and_then(|option| option_synonym(&option, error.get(ContextKind::Usage)?));
+    let synonym = synonym.or_else(|| {
+        let tried = tried?;
+        SYNONYMS.iter().find(|(words, _)| words.contains(&tried.as_str())).map(|(_, command)| *command)
+    });
     let is_of_value = |tips: &ContextValue| matches!(tips, ContextValue::StyledStrs(tips) if tips.iter().any(|tip| tip.to_string().contains("as a value")));
-    if let Some((_, command)) = synonym {
+    if let Some(synonym) = synonym {
         error.remove(ContextKind::SuggestedSubcommand);
-        let tip = clap::builder::StyledStr::from(format!("use {command}"));
+        error.remove(ContextKind::SuggestedArg);
+        let tip = clap::builder::StyledStr::from(format!("use {synonym}"));
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
     } else if error.get(ContextKind::Suggested).is_some_and(is_of_value) {
         error.remove(ContextKind::Suggested);
     }
     error
+}
+
+/// How the command of a usage line ("Usage: adwave filter …") does what `tried` asks for, if it has an option for it.
+fn option_synonym(tried: &str, usage: &ContextValue) -> Option<&'static str> {
+    let usage = usage.to_string();
+    let name = usage.split_whitespace().skip_while(|word| *word != "adwave").nth(1)?;
+    let cli = Cli::command();
+    let command = cli.find_subcommand(name)?;
+    let has = |option: &str| command.get_arguments().any(|argument| argument.get_long() == Some(option));
+    let row = OPTION_SYNONYMS.iter().find(|(words, option, _)| words.contains(&tried) && has(option));
+    row.map(|(_, _, tip)| *tip)
 }
 
 #[derive(Debug, Subcommand)]
@@ -240,6 +281,22 @@ mod tests {
         assert!(said("adwave smooth a.ply -o b.ply").contains("filter SHAPE -o OUT --preset smooth"));
         assert!(said("adwave filter a.ply --smooth -o b.ply").contains("--preset smooth"));
         assert!(said("adwave decimate a.ply").contains("adwave simplify"));
+        for (line, tip) in [
+            ("adwave features a.ply --top 10", "use --best N\n"),
+            ("adwave features a.ply -n 10", "use --best N\n"),
+            ("adwave simplify a.ply -o b.ply --faces 500", "use --vertices N: a mesh has"),
+            ("adwave simplify a.ply -o b.ply --percent 10", "use --ratio 0.1\n"),
+            ("adwave render a.ply -o a.png --width 800", "use --size 1600x1200\n"),
+            ("adwave render a.ply -o a.png --field curv", "use --color FIELD\n"),
+            ("adwave denoise a.ply -o b.ply --iterations 3", "use --strength 1.5\n"),
+            ("adwave filter a.ply -o b.ply --sigma 2", "use --fwhm WIDTH --gains 0"),
+            ("adwave filter a.ply -o b.ply --keep 1-3", "use --gains 0,1,2"),
+            ("adwave filter a.ply -o b.ply --bands 6", "use --levels N\n"),
+            ("adwave convert a.ply -o b.ply --bands 6", "use adwave transform SHAPE -o bands.npz\n"),
+        ] {
+            let said = said(line);
+            assert!(said.contains(tip) && said.matches("tip:").count() == 1, "{said}");
+        }
         assert!(said("adwave filter a.ply --level 5 -o b.ply").contains("'--levels'"));
         assert!(!said("adwave denoise a.ply --iterations 3 -o b.ply").contains("as a value"));
     }

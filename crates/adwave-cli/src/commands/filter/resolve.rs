@@ -380,9 +380,15 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Re
             return Ok(Vec::new());
         }
         (None, None) => {
-            return Err(CliError::Input(
-                "nothing to change; give --preset, --gains, --recipe, or --time-fwhm for a series".to_owned(),
-            ));
+            let width = ["--fwhm", "--lengths"].into_iter().find(|width| global.given.has(width));
+            return Err(CliError::Input(match width {
+                Some(width) => format!(
+                    "{width} chooses the bands and changes none; add --gains, such as --gains 0, which smooths by the \
+                     first width"
+                ),
+                None => "nothing to change; give --preset, --gains, --recipe, or --time-fwhm for a series"
+                    .to_owned(),
+            }));
         }
     };
     Ok(vec![Layer { gains, region: union_of_regions(&args.region) }])

@@ -115,7 +115,10 @@ fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     if let Some(path) =
         args.output.as_deref().filter(|path| !has_extension(&without_gzip(path), &["csv", "json"]))
     {
-        return Err(CliError::Input(format!("{}: pairs are written as .csv or .json", path.display())));
+        return Err(CliError::Input(format!(
+            "{}: pairs are written as .csv or .json; --moved FILE writes the first shape, moved onto the second",
+            path.display()
+        )));
     }
     if let Some(path) = args.picture.as_deref().filter(|path| !has_extension(path, &["png"])) {
         return Err(CliError::Input(format!("{}: a picture is written as .png", path.display())));
