@@ -95,7 +95,7 @@ fn with_paragraphs(command: clap::Command) -> clap::Command {
 }
 
 /// Words that people try as a command or an option, each with the command that does it.
-const SYNONYMS: [(&[&str], &str); 11] = [
+const SYNONYMS: [(&[&str], &str); 18] = [
     (&["export", "save", "transcode"], "adwave convert SHAPE -o OUT"),
     (&["smooth", "laplacian", "taubin", "suppress"], "adwave filter SHAPE -o OUT --preset smooth"),
     (&["sharpen", "enhance"], "adwave filter SHAPE -o OUT --preset enhance"),
@@ -113,11 +113,21 @@ const SYNONYMS: [(&[&str], &str); 11] = [
     (&["distance", "hausdorff", "difference"], "adwave diff SHAPE OTHER"),
     (&["gui", "edit", "equalizer", "equaliser", "ui"], "adwave studio SHAPE"),
     (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
+    (
+        &["reconstruct", "synthesize", "inverse", "compose"],
+        "adwave filter SHAPE -o OUT --gains 0,1,2, which splits, changes and puts together",
+    ),
+    (&["inspect", "stats", "describe", "check", "summary"], "adwave info SHAPE"),
+    (&["curvature", "curvatures"], "adwave render SHAPE -o picture.png --color mean-curvature"),
+    (&["input", "in", "infile", "i"], "adwave COMMAND FILE: a file to read stands without an option"),
+    (&["list", "ls"], "adwave sample, which lists the built-in shapes, or adwave formats"),
+    (&["version"], "adwave --version"),
+    (&["clean", "fair", "denoising", "despeckle"], "adwave denoise SHAPE -o OUT"),
 ];
 
 /// Words that people try as an option, each with the option of a command that does it and how that is used. The first
 /// row whose option the command has counts.
-const OPTION_SYNONYMS: [(&[&str], &str, &str); 11] = [
+const OPTION_SYNONYMS: [(&[&str], &str, &str); 12] = [
     (&["top", "count", "number", "n", "max", "limit", "k"], "best", "--best N"),
     (&["size", "count", "number", "n", "points", "target"], "vertices", "--vertices N"),
     (&["faces", "triangles"], "vertices", "--vertices N: a mesh has about twice as many triangles"),
@@ -131,8 +141,21 @@ const OPTION_SYNONYMS: [(&[&str], &str, &str); 11] = [
         "gains",
         "--fwhm WIDTH --gains 0, which removes what is narrower",
     ),
+    (&["weight", "at", "t", "alpha", "blend", "factor", "amount"], "share", "--share 0.5"),
     (
-        &["band", "gain", "keep", "drop", "remove", "boost", "highpass", "high-pass", "bandpass"],
+        &[
+            "band",
+            "gain",
+            "strength",
+            "amount",
+            "keep",
+            "drop",
+            "remove",
+            "boost",
+            "highpass",
+            "high-pass",
+            "bandpass",
+        ],
         "gains",
         "--gains 0,1,2: a gain for each band, fine to coarse",
     ),
@@ -140,40 +163,69 @@ const OPTION_SYNONYMS: [(&[&str], &str, &str); 11] = [
 ];
 
 /// Improves the tips of an error of usage: words that people try get the option or the command that does the task, and
-/// no tip takes a misspelled option for a value.
+/// no tip takes a misspelled option for a value, or another word for a misspelled one.
 pub(crate) fn improve_tips(mut error: clap::Error) -> clap::Error {
-    let word = |kind| match error.get(kind) {
-        Some(ContextValue::String(word)) => Some(word.trim_start_matches('-').to_lowercase()),
-        _ => None,
-    };
-    let option = word(ContextKind::InvalidArg);
-    let tried = option.clone().or_else(|| word(ContextKind::InvalidSubcommand));
-    let synonym = option.and_then(|option| option_synonym(&option, error.get(ContextKind::Usage)?));
-    let synonym = synonym.or_else(|| {
-        let tried = tried?;
-        SYNONYMS.iter().find(|(words, _)| words.contains(&tried.as_str())).map(|(_, command)| *command)
-    });
     let is_of_value = |tips: &ContextValue| matches!(tips, ContextValue::StyledStrs(tips) if tips.iter().any(|tip| tip.to_string().contains("as a value")));
-    if let Some(synonym) = synonym {
+    if let Some(tip) = better_tip(&error) {
         error.remove(ContextKind::SuggestedSubcommand);
         error.remove(ContextKind::SuggestedArg);
-        let tip = clap::builder::StyledStr::from(format!("use {synonym}"));
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     } else if error.get(ContextKind::Suggested).is_some_and(is_of_value) {
         error.remove(ContextKind::Suggested);
+    }
+    for (tried, suggested) in [
+        (ContextKind::InvalidArg, ContextKind::SuggestedArg),
+        (ContextKind::InvalidSubcommand, ContextKind::SuggestedSubcommand),
+    ] {
+        let (Some(tried), Some(tip)) = (word_of(&error, tried), word_of(&error, suggested)) else { continue };
+        if tried.chars().next() != tip.chars().next() && !tip.contains(&tried) {
+            error.remove(suggested);
+        }
     }
     error
 }
 
-/// How the command of a usage line ("Usage: adwave filter …") does what `tried` asks for, if it has an option for it.
-fn option_synonym(tried: &str, usage: &ContextValue) -> Option<&'static str> {
-    let usage = usage.to_string();
-    let name = usage.split_whitespace().skip_while(|word| *word != "adwave").nth(1)?;
+/// The word, or the last of the words, of a part of an error, without the dashes of an option.
+fn word_of(error: &clap::Error, kind: ContextKind) -> Option<String> {
+    match error.get(kind)? {
+        ContextValue::String(word) => Some(word),
+        ContextValue::Strings(words) => words.last(), // the best of them
+        _ => None,
+    }
+    .map(|word| word.trim_start_matches('-').to_lowercase())
+}
+
+/// A tip that fits what was tried better than a word of similar letters.
+fn better_tip(error: &clap::Error) -> Option<String> {
+    let of_command =
+        |tried: &str| SYNONYMS.iter().find(|(words, _)| words.contains(&tried)).map(|(_, tip)| *tip);
+    let Some(ContextValue::String(argument)) = error.get(ContextKind::InvalidArg) else {
+        return of_command(&word_of(error, ContextKind::InvalidSubcommand)?).map(|tip| format!("use {tip}"));
+    };
+    if let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidValue) {
+        return (argument.contains("<REGION>") && value.contains(['<', '>'])).then(|| {
+            "a region on one side of a plane is 'half-space:point=0 0 0.5,normal=0 0 1', and one by a field \
+             'field:name=NAME,low=A,high=B'"
+                .to_owned()
+        });
+    }
+    // "Usage: adwave filter …"
+    let usage = error.get(ContextKind::Usage)?.to_string();
     let cli = Cli::command();
-    let command = cli.find_subcommand(name)?;
+    let command =
+        cli.find_subcommand(usage.split_whitespace().skip_while(|word| *word != "adwave").nth(1)?)?;
     let has = |option: &str| command.get_arguments().any(|argument| argument.get_long() == Some(option));
-    let row = OPTION_SYNONYMS.iter().find(|(words, option, _)| words.contains(&tried) && has(option));
-    row.map(|(_, _, tip)| *tip)
+    if !argument.starts_with('-') {
+        return match () {
+            () if has("from") => Some(format!("--from {argument} names the other shape")),
+            () if has("output") => Some(format!("-o {argument} names the result")),
+            () => None,
+        };
+    }
+    let tried = word_of(error, ContextKind::InvalidArg)?;
+    let row =
+        OPTION_SYNONYMS.iter().find(|(words, option, _)| words.contains(&tried.as_str()) && has(option));
+    row.map(|(_, _, tip)| *tip).or_else(|| of_command(&tried)).map(|tip| format!("use {tip}"))
 }
 
 #[derive(Debug, Subcommand)]
@@ -281,6 +333,7 @@ mod tests {
         assert!(said("adwave smooth a.ply -o b.ply").contains("filter SHAPE -o OUT --preset smooth"));
         assert!(said("adwave filter a.ply --smooth -o b.ply").contains("--preset smooth"));
         assert!(said("adwave decimate a.ply").contains("adwave simplify"));
+        assert!(said("adwave reconstruct bands.npz").contains("adwave filter SHAPE -o OUT --gains"));
         for (line, tip) in [
             ("adwave features a.ply --top 10", "use --best N\n"),
             ("adwave features a.ply -n 10", "use --best N\n"),
@@ -292,12 +345,24 @@ mod tests {
             ("adwave filter a.ply -o b.ply --sigma 2", "use --fwhm WIDTH --gains 0"),
             ("adwave filter a.ply -o b.ply --keep 1-3", "use --gains 0,1,2"),
             ("adwave filter a.ply -o b.ply --bands 6", "use --levels N\n"),
+            ("adwave filter a.ply -o b.ply --preset smooth --strength 0.5", "use --gains 0,1,2"),
             ("adwave convert a.ply -o b.ply --bands 6", "use adwave transform SHAPE -o bands.npz\n"),
+            ("adwave convert a.ply b.ply", "-o b.ply names the result\n"),
+            ("adwave transfer a.ply b.ply -o c.ply", "--from b.ply names the other shape\n"),
+            ("adwave filter --input a.ply -o b.ply", "stands without an option\n"),
+            ("adwave morph a.ply b.ply -o c.ply --weight 0.5", "use --share 0.5\n"),
+            ("adwave sample --list", "use adwave sample, which lists"),
+            ("adwave version", "use adwave --version\n"),
+            ("adwave region a.ply --region z>0.5", "'half-space:point=0 0 0.5,normal=0 0 1'"),
         ] {
             let said = said(line);
             assert!(said.contains(tip) && said.matches("tip:").count() == 1, "{said}");
         }
         assert!(said("adwave filter a.ply --level 5 -o b.ply").contains("'--levels'"));
+        assert!(said("adwave filtr a.ply -o b.ply").contains("'filter'"));
+        assert!(said("adwave egion a.ply").contains("'region'"));
+        let other = said("adwave transform a.ply -o b.npz --strength 2");
+        assert!(!other.contains("tip:"), "{other}");
         assert!(!said("adwave denoise a.ply --iterations 3 -o b.ply").contains("as a value"));
     }
 

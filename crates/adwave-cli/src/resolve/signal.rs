@@ -23,6 +23,9 @@ pub(crate) fn load_signal(
     // A file that is missing is a wrong name, which the user can mend, as for the file of the shape.
     let mut signal = named_signal(source, name, texture).map_err(|e| match e.kind() {
         ErrorKind::Cancelled => CliError::Cancelled,
+        _ if name == "saliency" => {
+            CliError::Input(format!("{e}; 'adwave saliency SHAPE -o map.ply' writes the shape with it"))
+        }
         _ => CliError::input(e),
     })?;
     if signal.unknown.is_empty() {
