@@ -78,7 +78,7 @@ pub use formats::cifti::write::{CiftiColumns, CiftiPart, write_cifti_fields, wri
 pub use formats::csv::read::{
     CsvMatrix, parse_csv_fields, read_csv_fields, read_csv_fields_with, read_csv_matrix,
 };
-pub use formats::csv::write::write_csv_fields;
+pub use formats::csv::write::{write_csv_fields, write_csv_fields_with};
 #[cfg(feature = "more")]
 pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
 #[cfg(feature = "neuro")]

@@ -7,8 +7,8 @@ use crate::global::Global;
 use adwave::pages::zeros;
 use adwave_io::{
     ArrayValues, BRAIN_VALUES, COORDS, CiftiColumns, Field, FieldValues, Format, GRID_VALUES, ShapeFile,
-    ValueType, WriteError, rewrite_values, write_annotation, write_cifti_fields, write_csv_fields,
-    write_gifti_fields, write_npy,
+    ValueType, WriteError, rewrite_values, write_annotation, write_cifti_fields, write_csv_fields_with,
+    write_gifti_fields_with, write_npy,
 };
 use rayon::prelude::*;
 use std::path::Path;
@@ -119,9 +119,11 @@ impl ValuesFile {
         }
         write_file_with(global, path, |path| match self {
             Self::Npy => write_array(path, &fields, file),
-            Self::Csv => write_csv_fields(path, &fields),
+            Self::Csv => write_csv_fields_with(path, &fields, global.progress()),
             Self::Annotation => write_one_annotation(path, &fields),
-            Self::Gifti | Self::Cifti(_) | Self::Grid => write_gifti_fields(path, &fields, file.structure()),
+            Self::Gifti | Self::Cifti(_) | Self::Grid => {
+                write_gifti_fields_with(path, &fields, file.structure(), global.progress())
+            }
         })
     }
 
