@@ -216,11 +216,14 @@ fn better_tip(error: &clap::Error) -> Option<String> {
         cli.find_subcommand(usage.split_whitespace().skip_while(|word| *word != "adwave").nth(1)?)?;
     let has = |option: &str| command.get_arguments().any(|argument| argument.get_long() == Some(option));
     if !argument.starts_with('-') {
-        return match () {
-            () if has("from") => Some(format!("--from {argument} names the other shape")),
-            () if has("output") => Some(format!("-o {argument} names the result")),
-            () => None,
+        let tip = if has("from") {
+            format!("--from {argument} names the other shape")
+        } else if has("output") {
+            format!("no further file is read; -o {argument} names the result")
+        } else {
+            return None;
         };
+        return Some(tip);
     }
     let tried = word_of(error, ContextKind::InvalidArg)?;
     let row =
@@ -347,7 +350,7 @@ mod tests {
             ("adwave filter a.ply -o b.ply --bands 6", "use --levels N\n"),
             ("adwave filter a.ply -o b.ply --preset smooth --strength 0.5", "use --gains 0,1,2"),
             ("adwave convert a.ply -o b.ply --bands 6", "use adwave transform SHAPE -o bands.npz\n"),
-            ("adwave convert a.ply b.ply", "-o b.ply names the result\n"),
+            ("adwave convert a.ply b.ply", "no further file is read; -o b.ply names the result\n"),
             ("adwave transfer a.ply b.ply -o c.ply", "--from b.ply names the other shape\n"),
             ("adwave filter --input a.ply -o b.ply", "stands without an option\n"),
             ("adwave morph a.ply b.ply -o c.ply --weight 0.5", "use --share 0.5\n"),
