@@ -250,6 +250,11 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("saliency a.ply -o m.ply --field luminance", "no colors"),
         ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
         (
+            "saliency a.ply -o m.ply --field saliency",
+            "'adwave saliency SHAPE -o map.ply' writes the shape with it",
+        ),
+        ("saliency a.ply -o m.png", "`adwave render` makes pictures"),
+        (
             "saliency a.ply -o m.ply --field wishes",
             "no field 'wishes'; use coords, x, y, z, normals, mean-curvature",
         ),

@@ -120,6 +120,16 @@ fn maps_and_bands_have_names_in_tables_and_giftis() {
         let sum: f64 = (0..4).map(|band| exact.get(band, i)).sum();
         assert!((sum - own).abs() < 1e-12 && exact.get(1, i) == table[1].get(i, 0), "{sum} {own}");
     }
+    for (line, words) in [
+        ("transform torus.ply -o bands.lh.annot", "holds labels, and bands are numbers"),
+        ("transform torus.ply -o bands.dlabel.nii", "holds labels, and bands are numbers"),
+        ("filter torus.ply -o out.ply --fwhm 5%", "--fwhm chooses the bands and changes none; add --gains"),
+        ("filter torus.ply -o out.ply --lengths 5%", "--lengths chooses the bands"),
+        ("filter torus.ply -o out.ply", "nothing to change; give --preset"),
+    ] {
+        let error = refused(path, line);
+        assert!(error.contains(words), "{line}: {error}");
+    }
     json(path, "transform torus.ply -o coords.gii --levels 2");
     assert_eq!(names(&columns(&path.join("coords.gii")))[..4], ["W1_x", "W1_y", "W1_z", "W2_x"]);
 }

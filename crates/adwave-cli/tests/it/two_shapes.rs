@@ -162,6 +162,7 @@ fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
         ("diff sample:sphere sample:torus --limit 1e-9", "no vertex of"),
         ("diff line.xyz line.xyz --by vertex --align", "needs points that fix a rotation"),
         ("match sample:sphere sample:torus -o out.txt", ".csv or .json"),
+        ("match sample:sphere sample:torus -o out.ply", "--moved FILE writes the first shape"),
         ("match sample:sphere sample:torus --within 0", "above 0"),
     ] {
         let output = adwave(path).args(words(line)).assert().code(2).get_output().stderr.clone();
